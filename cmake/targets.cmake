@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# How Drogue declares a library, an executable and a test.
+
+add_library(drogue_options INTERFACE)
+target_compile_features(drogue_options INTERFACE cxx_std_20)
+target_compile_options(drogue_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi -fno-math-errno)
+if(DROGUE_WARNINGS_AS_ERRORS)
+  target_compile_options(drogue_options INTERFACE -Werror)
+endif()
+if(DROGUE_ASSERTIONS)
+  target_compile_options(drogue_options INTERFACE -UNDEBUG)
+endif()
+if(DROGUE_SANITIZE)
+  target_compile_options(drogue_options INTERFACE -fsanitize=${DROGUE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(drogue_options INTERFACE -fsanitize=${DROGUE_SANITIZE})
+endif()
+set(CMAKE_CXX_EXTENSIONS OFF)
+
+# drogue_library(NAME SOURCES a.cpp ... DEPS drogue::b ...)
+# Declares drogue::NAME. Headers stand beside their sources and are included by their path from the
+# repository's root: #include "common/mesh/mesh.hpp".
+function(drogue_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(drogue_${name} STATIC ${ARG_SOURCES})
+    target_include_directories(drogue_${name} PUBLIC ${CMAKE_SOURCE_DIR})
+    target_link_libraries(drogue_${name} PUBLIC drogue_options ${ARG_DEPS})
+    set_target_properties(drogue_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  else()
+    add_library(drogue_${name} INTERFACE)
+    target_include_directories(drogue_${name} INTERFACE ${CMAKE_SOURCE_DIR})
+    target_link_libraries(drogue_${name} INTERFACE drogue_options ${ARG_DEPS})
+  endif()
+  add_library(drogue::${name} ALIAS drogue_${name})
+endfunction()
+
+# drogue_executable(NAME SOURCES main.cpp DEPS drogue::b ...)
+function(drogue_executable name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE drogue_options ${ARG_DEPS})
+endfunction()
+
+# drogue_test(NAME LABEL unit SOURCES a_test.cpp ... DEPS drogue::b ... [TIMEOUT seconds])
+# One GoogleTest executable, one CTest entry. LABEL: unit | verification | integration | faults | slow.
+function(drogue_test name)
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_compile_definitions(${name} PRIVATE DROGUE_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
+                                             DROGUE_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+  target_link_libraries(${name} PRIVATE drogue_options ${ARG_DEPS} GTest::gtest GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT "OPENBLAS_NUM_THREADS=1;OMP_NUM_THREADS=1;OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_ess_singleton_isolated=1")
+endfunction()

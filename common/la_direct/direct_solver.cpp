@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "common/la_direct/direct_solver.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <vector>
+
+#include <cholmod.h>
+#include <umfpack.h>
+
+namespace drogue::la {
+
+struct CholeskySolver::State {
+  cholmod_common common{};
+  cholmod_factor* factor = nullptr;
+  int n = 0;
+
+  State() {
+    cholmod_start(&common);
+    common.print = 0;
+    common.nmethods = 1;
+    common.method[0].ordering = CHOLMOD_METIS;
+    common.postorder = 1;
+    common.supernodal = CHOLMOD_SUPERNODAL;
+    common.final_ll = 1;
+    common.quick_return_if_not_posdef = 1;
+  }
+  ~State() {
+    clear();
+    cholmod_finish(&common);
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  void clear() {
+    if (factor) cholmod_free_factor(&factor, &common);
+  }
+};
+
+namespace {
+
+cholmod_sparse view(const SparseMatrix& A) {
+  cholmod_sparse v{};
+  v.nrow = static_cast<std::size_t>(A.rows());
+  v.ncol = static_cast<std::size_t>(A.cols());
+  v.nzmax = static_cast<std::size_t>(A.nonZeros());
+  v.p = const_cast<int*>(A.outerIndexPtr());
+  v.i = const_cast<int*>(A.innerIndexPtr());
+  v.x = const_cast<double*>(A.valuePtr());
+  v.stype = 1; // the upper triangle
+  v.itype = CHOLMOD_INT;
+  v.xtype = CHOLMOD_REAL;
+  v.dtype = CHOLMOD_DOUBLE;
+  v.sorted = 1;
+  v.packed = 1;
+  return v;
+}
+
+} // namespace
+
+CholeskySolver::CholeskySolver() : state_(std::make_unique<State>()) {}
+CholeskySolver::~CholeskySolver() = default;
+CholeskySolver::CholeskySolver(CholeskySolver&&) noexcept = default;
+CholeskySolver& CholeskySolver::operator=(CholeskySolver&&) noexcept = default;
+
+void CholeskySolver::forget_pattern() { state_->clear(); }
+
+Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
+  assert(A.isCompressed() && A.rows() == A.cols());
+  State& s = *state_;
+  cholmod_sparse a = view(A);
+  if (!s.factor) {
+    s.factor = cholmod_analyze(&a, &s.common);
+    if (!s.factor) return internal_error("CHOLMOD cannot analyse the matrix (status {})", s.common.status);
+    s.n = static_cast<int>(A.rows());
+  }
+  if (s.n != A.rows()) return internal_error("CHOLMOD: the matrix changed its size without forget_pattern()");
+  cholmod_factorize(&a, s.factor, &s.common);
+  if (s.common.status == CHOLMOD_NOT_POSDEF) return false;
+  if (s.common.status < 0) return internal_error("CHOLMOD cannot factor the matrix (status {})", s.common.status);
+  return s.factor->minor == s.factor->n;
+}
+
+Result<void> CholeskySolver::solve(std::span<const double> b, std::span<double> x, int columns) {
+  State& s = *state_;
+  assert(s.factor && b.size() == x.size() && b.size() == static_cast<std::size_t>(s.n) * static_cast<std::size_t>(columns));
+  cholmod_dense rhs{};
+  rhs.nrow = static_cast<std::size_t>(s.n);
+  rhs.ncol = static_cast<std::size_t>(columns);
+  rhs.nzmax = b.size();
+  rhs.d = rhs.nrow;
+  rhs.x = const_cast<double*>(b.data());
+  rhs.xtype = CHOLMOD_REAL;
+  rhs.dtype = CHOLMOD_DOUBLE;
+  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, s.factor, &rhs, &s.common);
+  if (!solution) return internal_error("CHOLMOD cannot solve (status {})", s.common.status);
+  std::memcpy(x.data(), solution->x, x.size_bytes());
+  cholmod_free_dense(&solution, &s.common);
+  return {};
+}
+
+struct LuSolver::State {
+  void* symbolic = nullptr;
+  void* numeric = nullptr;
+  SparseMatrix matrix; // UMFPACK needs it again for the iterative refinement of every solve
+
+  State() = default;
+  ~State() { clear(); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  void clear() {
+    if (numeric) umfpack_di_free_numeric(&numeric);
+    if (symbolic) umfpack_di_free_symbolic(&symbolic);
+  }
+};
+
+LuSolver::LuSolver() : state_(std::make_unique<State>()) {}
+LuSolver::~LuSolver() = default;
+LuSolver::LuSolver(LuSolver&&) noexcept = default;
+LuSolver& LuSolver::operator=(LuSolver&&) noexcept = default;
+
+void LuSolver::forget_pattern() { state_->clear(); }
+
+Result<bool> LuSolver::factor(const SparseMatrix& A) {
+  assert(A.isCompressed() && A.rows() == A.cols());
+  State& s = *state_;
+  s.matrix = A;
+  double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
+  umfpack_di_defaults(control);
+  control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
+  const int n = static_cast<int>(A.rows());
+  const int* p = s.matrix.outerIndexPtr();
+  const int* i = s.matrix.innerIndexPtr();
+  const double* v = s.matrix.valuePtr();
+  if (!s.symbolic) {
+    const int status = umfpack_di_symbolic(n, n, p, i, v, &s.symbolic, control, info);
+    if (status != UMFPACK_OK) return internal_error("UMFPACK cannot analyse the matrix (status {})", status);
+  }
+  if (s.numeric) umfpack_di_free_numeric(&s.numeric);
+  const int status = umfpack_di_numeric(p, i, v, s.symbolic, &s.numeric, control, info);
+  if (status == UMFPACK_WARNING_singular_matrix) return false;
+  if (status != UMFPACK_OK) return internal_error("UMFPACK cannot factor the matrix (status {})", status);
+  return true;
+}
+
+Result<void> LuSolver::solve(std::span<const double> b, std::span<double> x) {
+  State& s = *state_;
+  assert(s.numeric && b.size() == x.size());
+  const std::vector<double> rhs(b.begin(), b.end()); // b and x may be the same memory
+  double info[UMFPACK_INFO];
+  const int status = umfpack_di_solve(UMFPACK_A, s.matrix.outerIndexPtr(), s.matrix.innerIndexPtr(),
+                                      s.matrix.valuePtr(), x.data(), rhs.data(), s.numeric, nullptr, info);
+  if (status != UMFPACK_OK) return internal_error("UMFPACK cannot solve (status {})", status);
+  return {};
+}
+
+} // namespace drogue::la

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <Eigen/SparseCore>
+
+#include "common/base/result.hpp"
+
+namespace drogue::la {
+
+/// Compressed sparse columns, both triangles stored.
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
+/// CHOLMOD's supernodal L L^T of a symmetric positive definite matrix, METIS ordering. The symbolic
+/// analysis is done once for a pattern and reused.
+class CholeskySolver {
+ public:
+  CholeskySolver();
+  ~CholeskySolver();
+  CholeskySolver(CholeskySolver&&) noexcept;
+  CholeskySolver& operator=(CholeskySolver&&) noexcept;
+
+  /// Factors A (its upper triangle is read). Returns false when A is not positive definite.
+  /// The first call, and every call after `forget_pattern`, analyses the pattern.
+  [[nodiscard]] Result<bool> factor(const SparseMatrix& A);
+  void forget_pattern();
+  /// Solves A x = b for `columns` right-hand sides, each contiguous; b and x may be the same memory.
+  /// @pre the last factor() returned true
+  [[nodiscard]] Result<void> solve(std::span<const double> b, std::span<double> x, int columns = 1);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// UMFPACK's L U of a general square matrix, METIS ordering.
+class LuSolver {
+ public:
+  LuSolver();
+  ~LuSolver();
+  LuSolver(LuSolver&&) noexcept;
+  LuSolver& operator=(LuSolver&&) noexcept;
+
+  /// Returns false when A is singular.
+  [[nodiscard]] Result<bool> factor(const SparseMatrix& A);
+  void forget_pattern();
+  [[nodiscard]] Result<void> solve(std::span<const double> b, std::span<double> x);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+} // namespace drogue::la

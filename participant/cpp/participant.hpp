@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "drogue/v1/wire.pb.h"
+
+/// The SDK of a Drogue participant: derive from Solver, call serve(). Our own solvers use nothing else.
+///
+///   CONNECTED --Hello--> GREETED --Configure--> CONFIGURED --Initialize--> READY
+///   READY --BeginStep--> IN_STEP --Iterate--> IN_STEP --Commit--> READY
+///                                             IN_STEP --Rollback--> READY
+///   READY --Checkpoint--> READY      READY --Restore--> READY
+///   Shutdown and Abort from anywhere; after an error that is not retryable: FAILED.
+namespace drogue::participant {
+
+/// Values that cross the wire, row-major. A field is {nodes, components}.
+struct FloatArray {
+  std::vector<std::uint64_t> shape;
+  std::vector<double> values;
+};
+struct IndexArray {
+  std::vector<std::uint64_t> shape;
+  std::vector<std::int64_t> values;
+};
+
+/// Fields by name.
+using Fields = std::map<std::string, FloatArray>;
+
+/// What a participant says of itself before anything is computed.
+struct Description {
+  std::string software;
+  bool can_rollback = true;
+  bool can_checkpoint = false;
+  bool variable_step = true;
+  std::vector<v1::FieldContract> inputs;
+  std::vector<v1::FieldContract> outputs;
+  /// Process ids of all ranks; empty: this process.
+  std::vector<std::int64_t> pids;
+};
+
+/// The surface that exchanges, and the identity of the whole mesh. See Initialized in wire.proto.
+struct InterfaceMesh {
+  /// {n, 3}: positions at Initialize.
+  std::vector<double> points;
+  /// {n, 3} or empty: reference positions, and coordinates in which surfaces are matched.
+  std::vector<double> reference;
+  std::vector<double> material;
+  /// {m, 3} and {m, 9}: indices into points.
+  std::vector<std::int64_t> triangles;
+  std::vector<std::int64_t> quadrangles9;
+  /// {n}: index of each interface node in the whole mesh.
+  std::vector<std::int64_t> mesh_nodes;
+  std::uint64_t mesh_node_count = 0;
+  std::string mesh_hash;
+};
+
+struct RunInfo {
+  std::filesystem::path directory;
+  double start_time = 0;
+  double time_step = 0;
+};
+
+struct StepInfo {
+  std::uint64_t step = 0;
+  std::uint32_t attempt = 0;
+  double time = 0; ///< t_n
+  double time_step = 0;
+};
+
+struct IterationReport {
+  std::uint32_t inner_iterations = 0;
+  double inner_residual = 0;
+  bool converged = true;
+};
+
+/// A participant's solver. serve() calls the functions in the order of the state table above, from one thread.
+///
+/// Contract: `iterate` is deterministic: from the same begin_step state, the same sequence of inputs gives the same
+/// sequence of outputs to the bit; `rollback` restores exactly the state at begin_step. An error of kind numerical
+/// with `retryable` leaves the solver ready for rollback; any other error ends the participant.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  [[nodiscard]] virtual Description describe() = 0;
+  [[nodiscard]] virtual Result<void> configure(const RunInfo& run) = 0;
+  /// Reads meshes and states, and gives the interface. @post ready for begin_step
+  [[nodiscard]] virtual Result<InterfaceMesh> initialize() = 0;
+  /// Saves what rollback needs.
+  [[nodiscard]] virtual Result<void> begin_step(const StepInfo& step) = 0;
+  /// `inputs` holds every required field of the contract, shapes and finiteness checked; fills `outputs` with
+  /// every field of the contract.
+  [[nodiscard]] virtual Result<IterationReport> iterate(const Fields& inputs, Fields& outputs) = 0;
+  /// Makes the last iterate the state at t_{n+1}; writes results when told.
+  [[nodiscard]] virtual Result<void> commit(bool write_output) = 0;
+  [[nodiscard]] virtual Result<void> rollback() = 0;
+  [[nodiscard]] virtual Result<void> checkpoint(const std::filesystem::path& directory) = 0;
+  [[nodiscard]] virtual Result<void> restore(const std::filesystem::path& directory) = 0;
+};
+
+struct ServeOptions {
+  /// Where the coupler listens, e.g. "ipc:///tmp/drogue-x/coupler" or "tcp://127.0.0.1:5555".
+  std::string endpoint;
+  /// "fluid", "structure" or "mesh_mover"; default: environment variable DROGUE_PARTICIPANT.
+  std::string participant;
+  /// Default: environment variable DROGUE_RUN_ID.
+  std::string run_id;
+  /// Longest silence of the coupler before giving up (exit status 4); default: DROGUE_PEER_DEADLINE in
+  /// seconds, else one hour.
+  std::chrono::seconds peer_deadline{3600};
+};
+
+/// Reads participant, run id and deadline from the environment that the coupler's launcher sets.
+[[nodiscard]] ServeOptions serve_options_from_environment(std::string endpoint);
+
+/// Connects and serves until Shutdown (ok), Abort, an error, or silence beyond the deadline.
+/// Wait is passive: no spinning while the coupler works.
+[[nodiscard]] Result<void> serve(Solver& solver, const ServeOptions& options);
+
+/// What the solver does, for the beats: may be called from inside iterate() at any rate; cheap.
+void report_progress(const char* phase, std::uint32_t inner_iteration = 0, double inner_residual = 0);
+
+/// Shorthand for a contract entry.
+[[nodiscard]] v1::FieldContract field(std::string name, v1::FieldContract::Quantity quantity,
+                                      v1::FieldContract::Location location, std::uint32_t components,
+                                      v1::FieldContract::TimeLevel level = v1::FieldContract::END_OF_STEP,
+                                      bool optional = false);
+
+} // namespace drogue::participant
