@@ -12,12 +12,14 @@
 
 namespace drogue::io {
 
-/// A time series: a header line, then a row of numbers at a time, flushed at once so that nothing written is lost.
-/// Numbers are printed with seventeen significant digits at most (shortest form that reads back the same).
+/// A time series: a header line, then a row of numbers at a time, flushed at once so that nothing written is
+/// lost. Numbers are printed with seventeen significant digits at most (shortest form that reads back the
+/// same).
 class CsvWriter {
  public:
   CsvWriter() = default;
-  [[nodiscard]] static Result<CsvWriter> create(const std::filesystem::path& file, std::vector<std::string> columns);
+  [[nodiscard]] static Result<CsvWriter> create(const std::filesystem::path& file,
+                                                std::vector<std::string> columns);
   void row(std::span<const double> values);
   void row(std::initializer_list<double> values) { row(std::span(values.begin(), values.size())); }
   [[nodiscard]] std::size_t column_count() const { return columns_; }

@@ -32,7 +32,8 @@ struct VtuData {
 /// Errors: ErrorKind::internal when the file cannot be written (says why).
 [[nodiscard]] Result<void> write_vtu(const std::filesystem::path& file, const VtuData& data);
 
-/// A .pvd collection, rewritten (and renamed into place) after every added file, so that it is valid at any time.
+/// A .pvd collection, rewritten (and renamed into place) after every added file, so that it is valid at any
+/// time.
 class PvdCollection {
  public:
   PvdCollection() = default;
