@@ -15,10 +15,11 @@
 /// The SDK of a Drogue participant: derive from Solver, call serve(). Our own solvers use nothing else.
 ///
 ///   CONNECTED --Hello--> GREETED --Configure--> CONFIGURED --Initialize--> READY
-///   READY --BeginStep--> IN_STEP --Iterate--> IN_STEP --Commit--> READY
-///                                             IN_STEP --Rollback--> READY
+///   READY --BeginStep--> IN_STEP --Iterate--> ITERATED --Iterate--> ITERATED --Commit--> READY
+///                        IN_STEP, ITERATED --Rollback--> READY
 ///   READY --Checkpoint--> READY      READY --Restore--> READY
 ///   Shutdown and Abort from anywhere; after an error that is not retryable: FAILED.
+/// The table itself stands in participant/cpp/protocol_state.cpp.
 namespace drogue::participant {
 
 /// Values that cross the wire, row-major. A field is {nodes, components}.
@@ -81,11 +82,13 @@ struct IterationReport {
   bool converged = true;
 };
 
-/// A participant's solver. serve() calls the functions in the order of the state table above, from one thread.
+/// A participant's solver. serve() calls the functions in the order of the state table above, from one
+/// thread.
 ///
-/// Contract: `iterate` is deterministic: from the same begin_step state, the same sequence of inputs gives the same
-/// sequence of outputs to the bit; `rollback` restores exactly the state at begin_step. An error of kind numerical
-/// with `retryable` leaves the solver ready for rollback; any other error ends the participant.
+/// Contract: `iterate` is deterministic: from the same begin_step state, the same sequence of inputs gives
+/// the same sequence of outputs to the bit; `rollback` restores exactly the state at begin_step. An error of
+/// kind numerical with `retryable` leaves the solver ready for rollback; any other error ends the
+/// participant.
 class Solver {
  public:
   virtual ~Solver() = default;
