@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/acceleration/iqn_ils.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/acceleration/relaxation.hpp"
+#include "coupler/acceleration/vector_ops.hpp"
+
+namespace drogue::acceleration {
+namespace {
+
+constexpr double smallest_squared_ratio = 1e-13;
+
+std::size_t packed(std::size_t i, std::size_t j) {
+  return j * (j + 1) / 2 + i;
+}
+
+} // namespace
+
+IqnIls::IqnIls(const Settings& settings, std::span<const double> weights, std::size_t n,
+               std::size_t passenger)
+    : settings_(settings),
+      root_weights_(n, 1.0),
+      passenger_(passenger),
+      r_(n),
+      r_last_(n),
+      h_last_(n),
+      p_last_(passenger) {
+  for (std::size_t i = 0; i < weights.size(); ++i) root_weights_[i] = std::sqrt(weights[i]);
+}
+
+void IqnIls::begin_step() {
+  columns_at_begin_ = columns_;
+  step_at_begin_ = step_;
+  ++step_;
+  while (!columns_.empty() && columns_.back()->step < step_ - settings_.reuse_steps) columns_.pop_back();
+  has_last_ = false;
+}
+
+void IqnIls::end_step(bool) {
+  has_last_ = false;
+}
+
+void IqnIls::rollback() {
+  columns_ = columns_at_begin_;
+  step_ = step_at_begin_;
+  has_last_ = false;
+}
+
+std::shared_ptr<const IqnIls::Column> IqnIls::make_column(const Iterate& at) const {
+  auto column = std::make_shared<Column>();
+  column->step = step_;
+  column->dr.resize(r_.size());
+  column->dh.resize(r_.size());
+  column->dp.resize(passenger_);
+  for (std::size_t i = 0; i < r_.size(); ++i) {
+    column->dr[i] = r_[i] - r_last_[i];
+    column->dh[i] = at.h[i] - h_last_[i];
+  }
+  for (std::size_t i = 0; i < passenger_; ++i) column->dp[i] = at.h_passenger[i] - p_last_[i];
+  column->gram.reserve(columns_.size() + 1);
+  column->gram.push_back(dot(column->dr, column->dr));
+  for (const auto& older : columns_) column->gram.push_back(dot(column->dr, older->dr));
+  return column;
+}
+
+/// Cholesky of the Gram matrix, newest column first, leaving out what fails the filter.
+void IqnIls::factor() {
+  kept_.clear();
+  R_.clear();
+  dropped_ = 0;
+  const double threshold = std::max(settings_.filter * settings_.filter, smallest_squared_ratio);
+  for (std::size_t k = 0; k < columns_.size() && kept_.size() < r_.size(); ++k) {
+    const std::size_t m = kept_.size();
+    double square = columns_[k]->gram[0];
+    const double whole = square;
+    R_.resize(packed(0, m) + m + 1);
+    for (std::size_t i = 0; i < m; ++i) {
+      double value = columns_[kept_[i]]->gram[k - kept_[i]];
+      for (std::size_t l = 0; l < i; ++l) value -= R_[packed(l, i)] * R_[packed(l, m)];
+      value /= R_[packed(i, i)];
+      R_[packed(i, m)] = value;
+      square -= value * value;
+    }
+    if (!(whole > 0) || !(square > threshold * whole)) {
+      R_.resize(packed(0, m));
+      ++dropped_;
+      continue;
+    }
+    R_[packed(m, m)] = std::sqrt(square);
+    kept_.push_back(k);
+  }
+}
+
+/// c += arg min | residual + sum_j c_j dr_j | by R^T R c = -dr^T residual; takes the combination into the
+/// residual.
+void IqnIls::add_correction(std::vector<double>& residual, std::vector<double>& c) const {
+  const std::size_t m = kept_.size();
+  std::vector<double> y(m);
+  for (std::size_t j = 0; j < m; ++j) {
+    y[j] = -dot(columns_[kept_[j]]->dr, residual);
+    for (std::size_t i = 0; i < j; ++i) y[j] -= R_[packed(i, j)] * y[i];
+    y[j] /= R_[packed(j, j)];
+  }
+  for (std::size_t j = m; j-- > 0;) {
+    y[j] /= R_[packed(j, j)];
+    for (std::size_t i = 0; i < j; ++i) y[i] -= R_[packed(i, j)] * y[j];
+  }
+  for (std::size_t j = 0; j < m; ++j) {
+    add_scaled(y[j], columns_[kept_[j]]->dr, residual);
+    c[j] += y[j];
+  }
+}
+
+bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double> passenger_next) {
+  if (!all_finite(at.h) || !all_finite(at.h_passenger)) return false;
+  // 1. The scaled residual, and the secant to the last one.
+  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = root_weights_[i] * (at.h[i] - at.x[i]);
+  if (has_last_) columns_.push_front(make_column(at));
+  while (columns_.size() > static_cast<std::size_t>(settings_.max_columns)) columns_.pop_back();
+  r_last_ = r_;
+  std::copy(at.h.begin(), at.h.end(), h_last_.begin());
+  std::copy(at.h_passenger.begin(), at.h_passenger.end(), p_last_.begin());
+  has_last_ = true;
+  // 2. The filtered factor.
+  factor();
+  if (kept_.empty()) {
+    relax(settings_.relaxation, at.x, at.h, x_next);
+    relax(settings_.relaxation, at.x_passenger, at.h_passenger, passenger_next);
+    return true;
+  }
+  // 3. Least squares, once more on what is left.
+  std::vector<double> c(kept_.size(), 0.0);
+  add_correction(r_, c);
+  add_correction(r_, c);
+  if (!all_finite(c)) return false;
+  // 4. The update.
+  std::copy(h_last_.begin(), h_last_.end(), x_next.begin());
+  std::copy(p_last_.begin(), p_last_.end(), passenger_next.begin());
+  for (std::size_t j = 0; j < c.size(); ++j) {
+    add_scaled(c[j], columns_[kept_[j]]->dh, x_next);
+    add_scaled(c[j], columns_[kept_[j]]->dp, passenger_next);
+  }
+  return true;
+}
+
+State IqnIls::save() const {
+  State state;
+  state.step = step_;
+  for (const auto& column : columns_) {
+    state.column_step.push_back(column->step);
+    state.column_dr.insert(state.column_dr.end(), column->dr.begin(), column->dr.end());
+    state.column_dh.insert(state.column_dh.end(), column->dh.begin(), column->dh.end());
+    state.column_dp.insert(state.column_dp.end(), column->dp.begin(), column->dp.end());
+  }
+  return state;
+}
+
+Result<void> IqnIls::restore(const State& state) {
+  const std::size_t m = state.column_step.size(), n = r_.size();
+  if (state.column_dr.size() != m * n || state.column_dh.size() != m * n ||
+      state.column_dp.size() != m * passenger_)
+    return config_error(
+        "accelerator state: {} columns of sizes {} + {} + {} do not fit {} + {} + {} values a column", m,
+        state.column_dr.size(), state.column_dh.size(), state.column_dp.size(), n, n, passenger_);
+  columns_.clear();
+  for (std::size_t k = m; k-- > 0;) {
+    auto column = std::make_shared<Column>();
+    const auto part = [k](const std::vector<double>& all, std::size_t size) {
+      const auto first = all.begin() + static_cast<std::ptrdiff_t>(k * size);
+      return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(size));
+    };
+    column->step = state.column_step[k];
+    column->dr = part(state.column_dr, n);
+    column->dh = part(state.column_dh, n);
+    column->dp = part(state.column_dp, passenger_);
+    column->gram.push_back(dot(column->dr, column->dr));
+    for (const auto& older : columns_) column->gram.push_back(dot(column->dr, older->dr));
+    columns_.push_front(std::move(column));
+  }
+  step_ = state.step;
+  has_last_ = false;
+  return {};
+}
+
+} // namespace drogue::acceleration
