@@ -16,23 +16,37 @@ struct KindProperties {
 
 constexpr KindProperties properties(ElementKind kind) {
   switch (kind) {
-  case ElementKind::point1: return {1, 0, "point"};
-  case ElementKind::line2: return {2, 1, "2-node line"};
-  case ElementKind::line3: return {3, 1, "3-node line"};
-  case ElementKind::tri3: return {3, 2, "3-node triangle"};
-  case ElementKind::tri6: return {6, 2, "6-node triangle"};
-  case ElementKind::quad4: return {4, 2, "4-node quadrilateral"};
-  case ElementKind::quad9: return {9, 2, "9-node quadrilateral"};
-  case ElementKind::tet4: return {4, 3, "4-node tetrahedron"};
+  case ElementKind::point1:
+    return {1, 0, "point"};
+  case ElementKind::line2:
+    return {2, 1, "2-node line"};
+  case ElementKind::line3:
+    return {3, 1, "3-node line"};
+  case ElementKind::tri3:
+    return {3, 2, "3-node triangle"};
+  case ElementKind::tri6:
+    return {6, 2, "6-node triangle"};
+  case ElementKind::quad4:
+    return {4, 2, "4-node quadrilateral"};
+  case ElementKind::quad9:
+    return {9, 2, "9-node quadrilateral"};
+  case ElementKind::tet4:
+    return {4, 3, "4-node tetrahedron"};
   }
   return {0, 0, "unknown"};
 }
 
 } // namespace
 
-int nodes_per_element(ElementKind kind) { return properties(kind).nodes; }
-int dimension(ElementKind kind) { return properties(kind).dimension; }
-std::string_view name(ElementKind kind) { return properties(kind).name; }
+int nodes_per_element(ElementKind kind) {
+  return properties(kind).nodes;
+}
+int dimension(ElementKind kind) {
+  return properties(kind).dimension;
+}
+std::string_view name(ElementKind kind) {
+  return properties(kind).name;
+}
 
 std::vector<std::string> Mesh::group_names() const {
   std::vector<std::string> names;

@@ -41,8 +41,8 @@ struct NodeField {
 
 /// A mesh in three-dimensional space: points, blocks of elements with group names, and fields on the nodes.
 ///
-/// Fields that Drogue's own meshes carry: "material" (3 components), the coordinates in which two surfaces are
-/// matched, on canopies the unfolded cloth pattern (s cos theta, s sin theta, 0).
+/// Fields that Drogue's own meshes carry: "material" (3 components), the coordinates in which two surfaces
+/// are matched, on canopies the unfolded cloth pattern (s cos theta, s sin theta, 0).
 struct Mesh {
   /// Coordinates, shape {node count, 3} [length].
   std::vector<double> points;
@@ -59,7 +59,8 @@ struct Mesh {
   [[nodiscard]] std::vector<const ElementBlock*> blocks_of(std::string_view group) const;
 };
 
-/// Hash of points and connectivity: two processes that show the same hash hold the same mesh in the same order.
+/// Hash of points and connectivity: two processes that show the same hash hold the same mesh in the same
+/// order.
 [[nodiscard]] std::string hash(const Mesh& mesh);
 
 } // namespace drogue::mesh
