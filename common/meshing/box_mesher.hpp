@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+#include "common/base/result.hpp"
+#include "common/meshing/tet_mesh.hpp"
+
+namespace drogue::meshing {
+
+struct Box {
+  Point low = Point::Zero();
+  Point high = Point::Zero();
+};
+
+using SizeFunction = std::function<double(const Point&)>;
+
+/// Meshes a box around an embedded open surface with Gmsh (HXT, one thread: with more it may give a mesh that
+/// does not conform). The result's first nodes are `points`, unmoved; its interior surface is `surface`; its
+/// boundaries are "inflow" (lowest z), "outflow" (highest z) and "side". Deterministic.
+///
+/// Errors: ErrorKind::numerical when the surface does not lie inside the box, or Gmsh cannot mesh it (its
+/// last error, e.g. a surface that intersects itself) or does not keep it.
+[[nodiscard]] Result<TetMesh> mesh_box(const Box& box, const std::vector<Point>& points,
+                                       const std::vector<Triangle>& surface, const SizeFunction& size);
+
+} // namespace drogue::meshing
