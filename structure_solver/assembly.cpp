@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "structure_solver/assembly.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace drogue::structure {
+namespace {
+
+using NodePair = std::pair<std::int32_t, std::int32_t>;
+
+void add_pairs(const std::int32_t* nodes, int count, std::vector<NodePair>& pairs) {
+  for (int a = 0; a < count; ++a)
+    for (int b = a + 1; b < count; ++b) pairs.emplace_back(nodes[a], nodes[b]);
+}
+
+std::vector<NodePair> coupled_nodes(const Model& model) {
+  std::vector<NodePair> pairs;
+  for (const AnyBatch& any : model.batches)
+    std::visit(
+        [&](const auto& batch) {
+          using Kernel = typename std::decay_t<decltype(batch)>::KernelType;
+          for (std::size_t e = 0; e < batch.count(); ++e) add_pairs(batch.element(e), Kernel::nodes, pairs);
+        },
+        any);
+  for (const AnyPressureBatch& any : model.pressure_batches)
+    std::visit(
+        [&](const auto& batch) {
+          constexpr int n = SurfaceTraits<std::decay_t<decltype(batch)>::kind>::nodes;
+          for (std::size_t e = 0; e < batch.count(); ++e) add_pairs(&batch.nodes[e * n], n, pairs);
+        },
+        any);
+  return pairs;
+}
+
+std::vector<std::int32_t> slots(const BlockMatrix& matrix, const std::vector<std::int32_t>& nodes,
+                                int per_element) {
+  std::vector<std::int32_t> result;
+  const auto n = static_cast<std::size_t>(per_element);
+  for (std::size_t e = 0; e < nodes.size() / n; ++e)
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) result.push_back(matrix.slot(nodes[e * n + a], nodes[e * n + b]));
+  return result;
+}
+
+template <int Nodes>
+typename Response<Nodes>::Positions current_positions(const std::vector<double>& X, std::span<const double> u,
+                                                      const std::int32_t* nodes) noexcept {
+  typename Response<Nodes>::Positions x;
+  for (int a = 0; a < Nodes; ++a) {
+    const std::size_t i = 3 * static_cast<std::size_t>(nodes[a]);
+    for (std::size_t c = 0; c < 3; ++c) x(static_cast<int>(c), a) = X[i + c] + u[i + c];
+  }
+  return x;
+}
+
+/// Adds one element's share. `slot` points to its Nodes x Nodes slots.
+template <int Nodes>
+void scatter(const Response<Nodes>& r, const std::int32_t* nodes, std::span<double> residual) noexcept {
+  for (int a = 0; a < Nodes; ++a)
+    for (int c = 0; c < 3; ++c)
+      residual[3 * static_cast<std::size_t>(nodes[a]) + static_cast<std::size_t>(c)] += r.force(c, a);
+}
+
+template <int Nodes>
+void scatter(const Response<Nodes>& r, const std::int32_t* nodes, const std::int32_t* slot, double scale,
+             BlockMatrix& tangent) noexcept {
+  for (int a = 0; a < Nodes; ++a)
+    for (int b = 0; b < Nodes; ++b)
+      tangent.add(nodes[b], slot[a * Nodes + b], scale * r.tangent.template block<3, 3>(3 * a, 3 * b));
+}
+
+} // namespace
+
+LoadValues LoadValues::blend(const LoadValues& a, const LoadValues& b, double alpha) {
+  const auto mix = [alpha](double p, double q) { return (1 - alpha) * p + alpha * q; };
+  LoadValues r = a;
+  std::transform(a.force.begin(), a.force.end(), b.force.begin(), r.force.begin(), mix);
+  for (std::size_t k = 0; k < a.pressure.size(); ++k)
+    std::transform(a.pressure[k].begin(), a.pressure[k].end(), b.pressure[k].begin(), r.pressure[k].begin(),
+                   mix);
+  return r;
+}
+
+LoadValues evaluate_loads(const Model& model, double time) {
+  LoadValues values;
+  values.force.assign(model.equation_count(), 0.0);
+  for (const WeightedLoad& load : model.loads)
+    for (std::size_t k = 0; k < load.nodes.size(); ++k) {
+      const std::size_t i = 3 * static_cast<std::size_t>(load.nodes[k]);
+      const double* X = &model.mesh.points[i];
+      for (std::size_t c = 0; c < 3; ++c)
+        if (!load.value[c].is_zero())
+          values.force[i + c] += load.weight[k] * load.value[c](X[0], X[1], X[2], time);
+    }
+  for (const PressureField& field : model.pressures) {
+    std::vector<double>& p = values.pressure.emplace_back(model.node_count(), 0.0);
+    if (field.value.is_zero()) continue;
+    for (const std::int32_t node : field.nodes) {
+      const double* X = &model.mesh.points[3 * static_cast<std::size_t>(node)];
+      p[static_cast<std::size_t>(node)] = field.value(X[0], X[1], X[2], time);
+    }
+  }
+  return values;
+}
+
+Assembler::Assembler(const Model& model)
+    : model_(model), tangent_(model.mesh.node_count(), coupled_nodes(model)) {
+  for (const AnyBatch& any : model.batches)
+    std::visit(
+        [&](const auto& batch) {
+          batch_slots_.push_back(
+              slots(tangent_, batch.nodes, std::decay_t<decltype(batch)>::KernelType::nodes));
+        },
+        any);
+  for (const AnyPressureBatch& any : model.pressure_batches)
+    std::visit(
+        [&](const auto& batch) {
+          pressure_slots_.push_back(
+              slots(tangent_, batch.nodes, SurfaceTraits<std::decay_t<decltype(batch)>::kind>::nodes));
+        },
+        any);
+}
+
+double Assembler::assemble(const Request& request, std::span<double> residual) {
+  if (request.tangent) tangent_.set_zero();
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = -request.loads.force[i];
+  const double energy = add_elements(request, residual);
+  add_pressure(request, residual);
+  return energy;
+}
+
+void Assembler::external_force(std::span<const double> displacement, const LoadValues& loads,
+                               std::span<double> force) {
+  std::fill(force.begin(), force.end(), 0.0);
+  add_pressure({.displacement = displacement, .loads = loads}, force);
+  for (std::size_t i = 0; i < force.size(); ++i) force[i] = loads.force[i] - force[i];
+}
+
+double Assembler::add_elements(const Request& request, std::span<double> residual) {
+  double energy = 0;
+  const auto add = [&](const auto& batch, const std::vector<std::int32_t>& slot) {
+    using Kernel = typename std::decay_t<decltype(batch)>::KernelType;
+    constexpr int n = Kernel::nodes;
+    Response<n> response;
+    for (std::size_t e = 0; e < batch.count(); ++e) {
+      const std::int32_t* nodes = batch.element(e);
+      const auto x = current_positions<n>(model_.mesh.points, request.displacement, nodes);
+      Kernel::evaluate(batch.reference[e], batch.material, x, request.tangent, response);
+      energy += response.energy;
+      scatter(response, nodes, residual);
+      if (request.tangent) scatter(response, nodes, &slot[e * n * n], request.tangent_scale, tangent_);
+    }
+  };
+  for (std::size_t k = 0; k < model_.batches.size(); ++k)
+    std::visit([&](const auto& batch) { add(batch, batch_slots_[k]); }, model_.batches[k]);
+  return energy;
+}
+
+void Assembler::add_pressure(const Request& request, std::span<double> residual) {
+  const bool stiffness = request.tangent && request.load_stiffness;
+  const auto add = [&](const auto& batch, const std::vector<std::int32_t>& slot) {
+    constexpr mesh::ElementKind kind = std::decay_t<decltype(batch)>::kind;
+    constexpr int n = SurfaceTraits<kind>::nodes;
+    const SurfaceRule<kind>& rule = surface_rule<kind>();
+    const std::vector<double>& pressure = request.loads.pressure[batch.load];
+    Response<n> response;
+    typename FollowerPressure<kind>::NodalPressure p;
+    for (std::size_t e = 0; e < batch.count(); ++e) {
+      const std::int32_t* nodes = &batch.nodes[e * n];
+      for (int a = 0; a < n; ++a) p(a) = pressure[static_cast<std::size_t>(nodes[a])];
+      const auto x = current_positions<n>(model_.mesh.points, request.displacement, nodes);
+      FollowerPressure<kind>::evaluate(rule, p, x, stiffness, response);
+      scatter(response, nodes, residual);
+      if (stiffness) scatter(response, nodes, &slot[e * n * n], request.tangent_scale, tangent_);
+    }
+  };
+  for (std::size_t k = 0; k < model_.pressure_batches.size(); ++k)
+    std::visit([&](const auto& batch) { add(batch, pressure_slots_[k]); }, model_.pressure_batches[k]);
+}
+
+} // namespace drogue::structure

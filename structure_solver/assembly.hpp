@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "structure_solver/block_matrix.hpp"
+#include "structure_solver/model.hpp"
+
+namespace drogue::structure {
+
+/// The loads of the config at one time: dead nodal forces and the nodal values of follower pressures.
+struct LoadValues {
+  /// {3 nodes} [force]: gravity, tractions, nodal forces.
+  std::vector<double> force;
+  /// One field over all nodes for each entry of Model::pressures [stress].
+  std::vector<std::vector<double>> pressure;
+
+  /// (1 - alpha) a + alpha b
+  [[nodiscard]] static LoadValues blend(const LoadValues& a, const LoadValues& b, double alpha);
+};
+
+[[nodiscard]] LoadValues evaluate_loads(const Model& model, double time);
+
+/// Sums the kernels into the residual and the tangent.
+class Assembler {
+ public:
+  explicit Assembler(const Model& model);
+
+  struct Request {
+    /// {3 nodes}: the displacement at which everything is evaluated [length].
+    std::span<const double> displacement;
+    const LoadValues& loads;
+    /// Fill tangent(), multiplied by tangent_scale.
+    bool tangent = false;
+    double tangent_scale = 1;
+    /// With the load stiffness of follower pressures.
+    bool load_stiffness = false;
+  };
+
+  /// residual = f_int - f_ext [force], {3 nodes}; without inertia. Returns the stored energy.
+  double assemble(const Request& request, std::span<double> residual);
+  /// f_ext at a displacement [force], {3 nodes}.
+  void external_force(std::span<const double> displacement, const LoadValues& loads, std::span<double> force);
+
+  /// Adds `value` to the diagonal of a node, after assemble().
+  void add_to_diagonal(std::int32_t node, double value) noexcept { tangent_.add_diagonal(node, value); }
+  /// Puts identity rows and columns where equations are held.
+  void eliminate_held() noexcept { tangent_.eliminate(model_.held); }
+  [[nodiscard]] const la::SparseMatrix& tangent() const { return tangent_.matrix(); }
+
+ private:
+  double add_elements(const Request& request, std::span<double> residual);
+  void add_pressure(const Request& request, std::span<double> residual);
+
+  const Model& model_;
+  BlockMatrix tangent_;
+  /// Slots of each element's blocks, {count, nodes, nodes}, for every batch and pressure batch.
+  std::vector<std::vector<std::int32_t>> batch_slots_;
+  std::vector<std::vector<std::int32_t>> pressure_slots_;
+};
+
+} // namespace drogue::structure

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/config/config.hpp"
+#include "common/config/expression.hpp"
+#include "structure_solver/elements/line.hpp"
+#include "structure_solver/elements/membrane.hpp"
+
+namespace drogue::structure {
+
+struct MembraneSettings {
+  std::string group;
+  MembraneMaterial material;
+};
+struct LineSettings {
+  std::string group;
+  LineMaterial material;
+  /// Empty: the length in the reference configuration.
+  std::optional<double> natural_length;
+};
+struct MassSettings {
+  std::string group;
+  double mass = 0;
+};
+struct SupportSettings {
+  std::string group;
+  std::array<bool, 3> held{};
+  config::VectorExpression displacement;
+};
+struct PressureSettings {
+  std::string group;
+  config::Expression value;
+};
+/// A traction on a surface group, or a force on every node of a group.
+struct VectorLoadSettings {
+  std::string group;
+  config::VectorExpression value;
+};
+struct ProbeSettings {
+  std::string name;
+  std::array<double, 3> position{};
+};
+
+enum class TimeMode { dynamic, static_by_damped_dynamics };
+
+struct TimeSettings {
+  TimeMode mode = TimeMode::dynamic;
+  double step = 0.01;
+  int steps = 100;
+  double rho_infinity = 0.5;
+  double mass_damping = 0;
+  double largest_step = 0.1;
+  double largest_time = 100;
+  double unbalance = 2.5e-3;
+  bool balanced_start = false;
+};
+
+struct NewtonSettings {
+  double displacement_tolerance = 1e-6;
+  double residual_tolerance = 1e-9;
+  int max_iterations = 20;
+  int iterations_per_coupling = 0; ///< 0: to the tolerance
+  bool load_stiffness = false;
+};
+
+struct OutputSettings {
+  std::filesystem::path directory = "results";
+  int field_interval = 10;
+  int series_interval = 1;
+};
+
+/// A config of structure_solver, read and checked against its schema. proto/drogue/v1/structure.proto says
+/// what each value means. File names are resolved.
+struct Settings {
+  std::filesystem::path mesh;
+  std::optional<std::filesystem::path> initial_state;
+  bool initial_at_rest = false;
+  std::optional<std::filesystem::path> final_state;
+  std::vector<MembraneSettings> membranes;
+  std::vector<LineSettings> cables;
+  std::vector<LineSettings> trusses;
+  std::vector<MassSettings> masses;
+  std::vector<std::string> ignored_groups;
+  std::vector<SupportSettings> supports;
+  std::vector<PressureSettings> pressures;
+  std::vector<VectorLoadSettings> tractions;
+  std::vector<VectorLoadSettings> forces;
+  config::VectorExpression gravity;
+  TimeSettings time;
+  NewtonSettings newton;
+  std::string interface;
+  OutputSettings output;
+  std::vector<ProbeSettings> probes;
+  /// Where each field stands, for errors that only the mesh can tell.
+  config::Source source;
+};
+
+/// Reads a config; every error lands in `report`, and what could be read is returned in any case.
+[[nodiscard]] Settings load_settings(const std::filesystem::path& file, config::Report& report);
+
+} // namespace drogue::structure

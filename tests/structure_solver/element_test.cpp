@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Every kernel: tangent against finite differences at a non-trivial state, force against the energy's
+// derivative, rigid motion, and exact stresses.
+#include <gtest/gtest.h>
+
+#include "structure_solver/elements/follower_pressure.hpp"
+#include "structure_solver/elements/registry.hpp"
+#include "tests/structure_solver/test_structures.hpp"
+
+namespace drogue::structure {
+namespace {
+
+using mesh::ElementKind;
+using test::Numbers;
+
+/// Reference positions of one distorted element.
+template <class Kernel>
+typename Kernel::Positions reference_positions() {
+  typename Kernel::Positions X;
+  if constexpr (Kernel::nodes == 2) {
+    X << 0.1, 1.2, 0.2, 0.9, -0.3, 0.4;
+  } else {
+    Numbers numbers;
+    constexpr double xi9[] = {-1, 1, 1, -1, 0, 1, 0, -1, 0}, eta9[] = {-1, -1, 1, 1, -1, 0, 1, 0, 0};
+    constexpr double xi3[] = {0, 1, 0}, eta3[] = {0, 0, 1};
+    for (int a = 0; a < Kernel::nodes; ++a) {
+      const double s = Kernel::nodes == 9 ? xi9[a] : xi3[a], t = Kernel::nodes == 9 ? eta9[a] : eta3[a];
+      X.col(a) << s + 0.2 * t + 0.05 * numbers(), t - 0.1 * s + 0.05 * numbers(),
+          0.3 * s * t + 0.05 * numbers();
+    }
+  }
+  return X;
+}
+
+template <class Positions>
+Positions moved(const Positions& X, double amount) {
+  Numbers numbers;
+  Positions x = X;
+  for (int i = 0; i < x.size(); ++i) x(i) += amount * numbers();
+  return x;
+}
+
+/// Largest difference between the tangent and central differences, relative to its largest entry.
+template <int N, class Evaluate>
+double tangent_error(const typename Response<N>::Positions& x, const Evaluate& evaluate) {
+  Response<N> exact, plus, minus;
+  evaluate(x, exact);
+  const double h = 1e-6;
+  double error = 0;
+  for (int j = 0; j < 3 * N; ++j) {
+    auto xp = x, xm = x;
+    xp(j) += h;
+    xm(j) -= h;
+    evaluate(xp, plus);
+    evaluate(xm, minus);
+    for (int i = 0; i < 3 * N; ++i)
+      error = std::max(error, std::abs((plus.force(i) - minus.force(i)) / (2 * h) - exact.tangent(i, j)));
+  }
+  return error / exact.tangent.cwiseAbs().maxCoeff();
+}
+
+template <class Kernel>
+struct ElementCase {
+  typename Kernel::Positions X = reference_positions<Kernel>();
+  typename Kernel::Reference reference = Kernel::reference(X);
+  typename Kernel::Material material;
+
+  void evaluate(const typename Kernel::Positions& x, Response<Kernel::nodes>& out) const {
+    Kernel::evaluate(reference, material, x, true, out);
+  }
+  void check_derivatives(const typename Kernel::Positions& x) const {
+    EXPECT_LT(tangent_error<Kernel::nodes>(x, [this](const auto& y, auto& out) { evaluate(y, out); }), 1e-8);
+    Response<Kernel::nodes> at, plus, minus;
+    evaluate(x, at);
+    const double h = 1e-6, scale = at.force.cwiseAbs().maxCoeff();
+    for (int j = 0; j < 3 * Kernel::nodes; ++j) {
+      auto xp = x, xm = x;
+      xp(j) += h;
+      xm(j) -= h;
+      evaluate(xp, plus);
+      evaluate(xm, minus);
+      EXPECT_NEAR(at.force(j), (plus.energy - minus.energy) / (2 * h), 1e-7 * scale);
+    }
+  }
+  void check_rigid_motion() const {
+    const Eigen::Matrix3d R =
+        Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+    typename Kernel::Positions x = (R * X).colwise() + Eigen::Vector3d(30, -20, 10);
+    Response<Kernel::nodes> out;
+    evaluate(x, out);
+    // A force of this size comes from strains of rounding size, at coordinates of size 30.
+    EXPECT_LT(out.force.cwiseAbs().maxCoeff(), 1e-13 * out.tangent.cwiseAbs().maxCoeff());
+  }
+};
+
+template <class Kernel>
+ElementCase<Kernel> membrane_case(double prestress) {
+  ElementCase<Kernel> c;
+  c.material = {0.01, 6.0, 2e5, 0.3, prestress};
+  return c;
+}
+
+ElementCase<Line> line_case(StrainMeasure strain, bool tension_only) {
+  ElementCase<Line> c;
+  c.material = {1e-3, 6.0, 4e6, 300.0, strain, tension_only};
+  return c;
+}
+
+TEST(Membrane, TangentAndForceAreDerivatives) {
+  const auto t3 = membrane_case<Membrane<ElementKind::tri3>>(400);
+  t3.check_derivatives(moved(t3.X, 0.15));
+  const auto q9 = membrane_case<Membrane<ElementKind::quad9>>(400);
+  q9.check_derivatives(moved(q9.X, 0.15));
+}
+
+TEST(Membrane, RigidMotionGivesNoForce) {
+  membrane_case<Membrane<ElementKind::tri3>>(0).check_rigid_motion();
+  membrane_case<Membrane<ElementKind::quad9>>(0).check_rigid_motion();
+}
+
+TEST(Membrane, AWrongTangentIsSeen) {
+  const auto t3 = membrane_case<Membrane<ElementKind::tri3>>(0);
+  const double error = tangent_error<3>(moved(t3.X, 0.15), [&](const auto& x, auto& out) {
+    t3.evaluate(x, out);
+    out.tangent *= 1 + 1e-6;
+  });
+  EXPECT_GT(error, 5e-7);
+}
+
+TEST(Membrane, MassIsThatOfTheCloth) {
+  const auto q9 = membrane_case<Membrane<ElementKind::quad9>>(0);
+  const auto mass = Membrane<ElementKind::quad9>::lumped_mass(q9.reference, q9.material);
+  double area = 0;
+  for (const double a : q9.reference.area) area += a;
+  EXPECT_NEAR(mass.sum(), 6.0 * 0.01 * area, 1e-14);
+  EXPECT_GT(mass.minCoeff(), 0);
+}
+
+TEST(Line, TangentAndForceAreDerivatives) {
+  for (const auto strain : {StrainMeasure::green, StrainMeasure::engineering})
+    for (const double scale : {0.8, 1.3}) {
+      const auto truss = line_case(strain, false);
+      truss.check_derivatives(moved(Line::Positions(scale * truss.X), 0.05));
+    }
+  const auto cable = line_case(StrainMeasure::green, true);
+  cable.check_derivatives(1.1 * cable.X);
+}
+
+TEST(Line, RigidMotionGivesNoForce) {
+  for (const auto strain : {StrainMeasure::green, StrainMeasure::engineering}) {
+    auto truss = line_case(strain, false);
+    truss.material.prestress = 0;
+    truss.check_rigid_motion();
+  }
+}
+
+TEST(Line, ForceIsTheTensionOfTheChosenStrain) {
+  Line::Positions x;
+  x << 0, 3, 0, 0, 0, 0;
+  const Line::Reference natural{2.5}; // a stretch of 1.2
+  LineMaterial material{1e-3, 0, 4e6, 0, StrainMeasure::engineering, true};
+  EXPECT_NEAR(Line::tension(natural, material, x), 4000 * 0.2, 1e-10);
+  material.strain = StrainMeasure::green;
+  EXPECT_NEAR(Line::tension(natural, material, x), 4000 * 0.22 * 1.2, 1e-10);
+  Response<2> out;
+  Line::evaluate(natural, material, x, false, out);
+  EXPECT_NEAR(out.force(0, 1), Line::tension(natural, material, x), 1e-10);
+}
+
+TEST(Line, SlackCablePullsNothingAndKeepsARegularTangent) {
+  const auto cable = line_case(StrainMeasure::green, true);
+  Response<2> out;
+  Line::evaluate(cable.reference, cable.material, 0.9 * cable.X, true, out);
+  EXPECT_EQ(out.force.cwiseAbs().maxCoeff(), 0);
+  EXPECT_EQ(out.energy, 0);
+  EXPECT_EQ(Line::tension(cable.reference, cable.material, 0.9 * cable.X), 0);
+  const Eigen::Matrix3d K = out.tangent.topLeftCorner<3, 3>();
+  const double EA_L = cable.material.youngs_modulus * cable.material.area / cable.reference.natural_length;
+  EXPECT_GT(K.determinant(), 0);
+  EXPECT_LT(K.norm(), 1e-7 * EA_L);
+}
+
+template <ElementKind Kind>
+void check_follower_pressure() {
+  using Kernel = FollowerPressure<Kind>;
+  const auto X = reference_positions<Membrane<Kind>>();
+  const auto x = moved(X, 0.15);
+  typename Kernel::NodalPressure p;
+  Numbers numbers;
+  for (int a = 0; a < Kernel::nodes; ++a) p(a) = 2 + numbers();
+  EXPECT_LT(
+      tangent_error<Kernel::nodes>(
+          x, [&](const auto& y, auto& out) { Kernel::evaluate(surface_rule<Kind>(), p, y, true, out); }),
+      1e-9);
+}
+
+TEST(FollowerPressure, LoadStiffnessIsTheDerivative) {
+  check_follower_pressure<ElementKind::tri3>();
+  check_follower_pressure<ElementKind::quad9>();
+}
+
+TEST(FollowerPressure, PushesAlongTheRightHandedNormal) {
+  Response<3>::Positions x;
+  x << 0, 2, 0, 0, 0, 3, 0, 0, 0; // normal +z, area 3
+  Response<3> out;
+  const auto& rule = surface_rule<ElementKind::tri3>();
+  FollowerPressure<ElementKind::tri3>::evaluate(rule, Eigen::Vector3d(5, 5, 5), x, false, out);
+  const Eigen::Vector3d external = -out.force.rowwise().sum();
+  EXPECT_NEAR(external(2), 15, 1e-14);
+  EXPECT_NEAR(std::hypot(external(0), external(1)), 0, 1e-14);
+}
+
+} // namespace
+} // namespace drogue::structure
