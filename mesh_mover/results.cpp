@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_mover/results.hpp"
+
+#include <system_error>
+
+namespace drogue::mesh_mover {
+
+Result<Results> Results::create(const OutputSettings& settings) {
+  std::error_code failure;
+  std::filesystem::create_directories(settings.directory, failure);
+  if (failure)
+    return internal_error("cannot create the folder {}: {}", settings.directory.string(), failure.message());
+  auto series =
+      io::CsvWriter::create(settings.directory / "mesh.csv",
+                            {"step", "time", "iterations", "residual", "min_volume_ratio", "max_volume_ratio",
+                             "worst_mean_ratio", "mean_mean_ratio", "worst_x", "worst_y", "worst_z"});
+  if (!series) return series.error();
+  Results results;
+  results.settings_ = settings;
+  results.series_ = std::move(*series);
+  results.collection_ = io::PvdCollection(settings.directory / "mesh.pvd");
+  return results;
+}
+
+Result<void> Results::write(const MeshMover& mover, std::uint64_t step, double time,
+                            const SolveReport& report, bool is_last) {
+  const auto every = [&](int interval) {
+    return interval > 0 && step % static_cast<std::uint64_t>(interval) == 0;
+  };
+  const Quality& q = report.quality;
+  if (every(settings_.series_interval))
+    series_.row({static_cast<double>(step), time, static_cast<double>(report.iterations), report.residual,
+                 q.min_volume_ratio, q.max_volume_ratio, q.worst_mean_ratio, q.mean_mean_ratio,
+                 q.worst_place[0], q.worst_place[1], q.worst_place[2]});
+  if (every(settings_.field_interval) || (is_last && settings_.field_interval > 0))
+    return write_fields(mover, step, time);
+  return {};
+}
+
+Result<void> Results::write_fields(const MeshMover& mover, std::uint64_t step, double time) {
+  const auto tets = mover.tets();
+  std::vector<double> volume_ratio(tets.size() / 4);
+  std::vector<double> shape(tets.size() / 4);
+  for (std::size_t e = 0; e < shape.size(); ++e) {
+    const auto nodes = tets.subspan(4 * e, 4);
+    volume_ratio[e] = tet_jacobian(mover.points(), nodes) / tet_jacobian(mover.mesh().points, nodes);
+    shape[e] = mean_ratio(mover.points(), nodes);
+  }
+  io::VtuData data;
+  data.points = mover.points();
+  for (const auto& block : mover.mesh().blocks)
+    if (block.kind == mesh::ElementKind::tet4) data.blocks.push_back(&block);
+  data.point_data = {{"displacement", 3, mover.displacement()}};
+  data.cell_data = {{"volume_ratio", 1, volume_ratio}, {"mean_ratio", 1, shape}};
+  const auto file = settings_.directory / fmt::format("mesh_{:06}.vtu", step);
+  DROGUE_TRY(io::write_vtu(file, data));
+  return collection_.add(time, file);
+}
+
+} // namespace drogue::mesh_mover

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/config/expression.hpp"
+#include "common/mesh/mesh.hpp"
+
+namespace drogue::mesh_mover {
+
+/// What the stiffness of a step is taken from; see the config schema.
+enum class Increment { from_last_step, from_initial };
+
+/// In the order of precedence where boundaries meet: an edge follows the first.
+enum class Condition { displacement, fixed, translated, sliding };
+
+struct Boundary {
+  std::string name;
+  Condition condition = Condition::fixed;
+  /// Condition::displacement: since the start, of the initial position and time [length].
+  config::VectorExpression displacement;
+  /// Condition::sliding: axis normal to the plane (0, 1, 2).
+  int normal = 0;
+  /// Follows the coupler's displacement when run as a participant.
+  bool is_interface = false;
+};
+
+struct OutputSettings {
+  std::filesystem::path directory;
+  int field_interval = 0;
+  int series_interval = 1;
+};
+
+struct Settings {
+  double stiffening_exponent = 1;
+  double poisson_ratio = 0.3;
+  Increment increment = Increment::from_last_step;
+  std::vector<Boundary> boundaries;
+  double tolerance = 1e-4;
+  int max_iterations = 1000;
+  double smallest_volume_ratio = 0.01;
+  double step = 0; ///< stand-alone [time]
+  int steps = 0;
+  OutputSettings output;
+};
+
+struct Case {
+  Settings settings;
+  mesh::Mesh mesh;
+};
+
+/// Reads and validates a config and its mesh. Errors (ErrorKind::config): all of them at once, as
+/// "FILE:LINE:COLUMN: error: TEXT".
+[[nodiscard]] Result<Case> load_case(const std::filesystem::path& file);
+
+} // namespace drogue::mesh_mover

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_mover/standalone.hpp"
+
+#include "common/base/log.hpp"
+#include "mesh_mover/results.hpp"
+
+namespace drogue::mesh_mover {
+namespace {
+
+Result<SolveReport> one_step(MeshMover& mover, double time_step, double time_np1) {
+  DROGUE_TRY(mover.begin_step(time_step));
+  BoundaryInput input;
+  input.time = time_np1;
+  auto report = mover.solve(input);
+  if (report) mover.commit();
+  return report;
+}
+
+} // namespace
+
+Result<void> run_standalone(Case input) {
+  const Settings settings = input.settings;
+  auto created = MeshMover::create(std::move(input.mesh), settings);
+  if (!created) return created.error();
+  MeshMover& mover = **created;
+  auto results = Results::create(settings.output);
+  if (!results) return results.error();
+  spdlog::info("{} nodes, {} tetrahedra", mover.mesh().node_count(), mover.tets().size() / 4);
+  SolveReport start;
+  start.quality = mover.current_quality();
+  DROGUE_TRY(results->write(mover, 0, 0, start, settings.steps == 0));
+  for (int step = 1; step <= settings.steps; ++step) {
+    const double time = step * settings.step;
+    const auto report = one_step(mover, settings.step, time);
+    if (!report) {
+      Error error = report.error();
+      error.message = fmt::format("step {} (time {:.6g}): {}", step, time, error.message);
+      return error;
+    }
+    const Quality& q = report->quality;
+    spdlog::info("step {} time {:.6g}: {} iterations, residual {:.2e}, smallest volume {:.3g} of the initial "
+                 "one, worst "
+                 "mean ratio {:.3g}",
+                 step, time, report->iterations, report->residual, q.min_volume_ratio, q.worst_mean_ratio);
+    DROGUE_TRY(
+        results->write(mover, static_cast<std::uint64_t>(step), time, *report, step == settings.steps));
+  }
+  return {};
+}
+
+} // namespace drogue::mesh_mover
