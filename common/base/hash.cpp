@@ -10,7 +10,9 @@ void Hash::add(std::span<const std::byte> bytes) {
   for (const std::byte b : bytes) state_ = (state_ ^ static_cast<std::uint64_t>(b)) * 1099511628211ULL;
 }
 
-std::string Hash::text() const { return fmt::format("{:016x}", state_); }
+std::string Hash::text() const {
+  return fmt::format("{:016x}", state_);
+}
 
 std::uint32_t crc32(std::span<const std::byte> bytes) {
   return static_cast<std::uint32_t>(

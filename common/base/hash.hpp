@@ -9,7 +9,8 @@
 
 namespace drogue {
 
-/// FNV-1a, 64 bit, over everything given to `add`: identifies meshes and configs, not meant against attackers.
+/// FNV-1a, 64 bit, over everything given to `add`: identifies meshes and configs, not meant against
+/// attackers.
 class Hash {
  public:
   void add(std::span<const std::byte> bytes);

@@ -28,7 +28,9 @@ struct Error {
   bool retryable = false;
 };
 
-[[nodiscard]] inline int exit_status(const Error& error) { return static_cast<int>(error.kind); }
+[[nodiscard]] inline int exit_status(const Error& error) {
+  return static_cast<int>(error.kind);
+}
 
 template <class... Args>
 [[nodiscard]] Error config_error(fmt::format_string<Args...> text, Args&&... args) {

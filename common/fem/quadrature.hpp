@@ -15,8 +15,8 @@ struct SurfacePoint {
 };
 
 /// A rule that integrates polynomials of total degree `degree` exactly on the parent domain of `kind` (on
-/// quadrilaterals: of that degree in each coordinate). Interior points, positive weights. Triangles: 1, 3, 6 and 7
-/// symmetric points up to degree 5, a collapsed Gauss product above. @pre 1 <= degree <= 20
+/// quadrilaterals: of that degree in each coordinate). Interior points, positive weights. Triangles: 1, 3, 6
+/// and 7 symmetric points up to degree 5, a collapsed Gauss product above. @pre 1 <= degree <= 20
 [[nodiscard]] std::vector<SurfacePoint> surface_quadrature(mesh::ElementKind kind, int degree);
 
 /// Gauss-Legendre points and weights on [-1, 1], exact to degree 2 n - 1. @pre 1 <= n <= 32

@@ -71,7 +71,8 @@ SurfaceShape surface_shape(ElementKind kind, double xi, double eta) noexcept {
   case ElementKind::point1:
   case ElementKind::line2:
   case ElementKind::line3:
-  case ElementKind::tet4: break;
+  case ElementKind::tet4:
+    break;
   }
   return s;
 }

@@ -63,7 +63,9 @@ CholeskySolver::~CholeskySolver() = default;
 CholeskySolver::CholeskySolver(CholeskySolver&&) noexcept = default;
 CholeskySolver& CholeskySolver::operator=(CholeskySolver&&) noexcept = default;
 
-void CholeskySolver::forget_pattern() { state_->clear(); }
+void CholeskySolver::forget_pattern() {
+  state_->clear();
+}
 
 Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
   assert(A.isCompressed() && A.rows() == A.cols());
@@ -77,13 +79,15 @@ Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
   if (s.n != A.rows()) return internal_error("CHOLMOD: the matrix changed its size without forget_pattern()");
   cholmod_factorize(&a, s.factor, &s.common);
   if (s.common.status == CHOLMOD_NOT_POSDEF) return false;
-  if (s.common.status < 0) return internal_error("CHOLMOD cannot factor the matrix (status {})", s.common.status);
+  if (s.common.status < 0)
+    return internal_error("CHOLMOD cannot factor the matrix (status {})", s.common.status);
   return s.factor->minor == s.factor->n;
 }
 
 Result<void> CholeskySolver::solve(std::span<const double> b, std::span<double> x, int columns) {
   State& s = *state_;
-  assert(s.factor && b.size() == x.size() && b.size() == static_cast<std::size_t>(s.n) * static_cast<std::size_t>(columns));
+  assert(s.factor && b.size() == x.size() &&
+         b.size() == static_cast<std::size_t>(s.n) * static_cast<std::size_t>(columns));
   cholmod_dense rhs{};
   rhs.nrow = static_cast<std::size_t>(s.n);
   rhs.ncol = static_cast<std::size_t>(columns);
@@ -119,7 +123,9 @@ LuSolver::~LuSolver() = default;
 LuSolver::LuSolver(LuSolver&&) noexcept = default;
 LuSolver& LuSolver::operator=(LuSolver&&) noexcept = default;
 
-void LuSolver::forget_pattern() { state_->clear(); }
+void LuSolver::forget_pattern() {
+  state_->clear();
+}
 
 Result<bool> LuSolver::factor(const SparseMatrix& A) {
   assert(A.isCompressed() && A.rows() == A.cols());
