@@ -35,7 +35,7 @@ std::vector<SurfacePoint> triangle_rule(int degree) {
     add_orbit(rule, (6 - s) / 21, (155 - s) / 2400);
     add_orbit(rule, (6 + s) / 21, (155 + s) / 2400);
   } else { // collapsed product: one degree is spent on the Jacobian 1 - u
-    const GaussRule g = gauss_legendre(degree / 2 + 1);
+    const GaussRule g = gauss_legendre((degree + 1) / 2 + 1);
     for (std::size_t i = 0; i < g.points.size(); ++i)
       for (std::size_t j = 0; j < g.points.size(); ++j) {
         const double u = 0.5 * (1 + g.points[i]), v = 0.5 * (1 + g.points[j]);
