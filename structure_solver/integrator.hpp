@@ -76,6 +76,8 @@ class Integrator {
   [[nodiscard]] const State& committed() const { return n_; }
   [[nodiscard]] const State& trial() const { return np1_; }
   void reset(State state);
+  /// Sets the clock of the committed state; the coupler's clock rules in a coupled run.
+  void set_time(double time) { n_.time = time; }
 
   enum class Predictor { hold, extrapolate };
   /// Starts a step of length dt from the committed state: loads, held displacements, and the first iterate

@@ -69,7 +69,8 @@ class Builder {
   template <class Kernel, class Reference>
   void add_batch(const std::string& field, const ElementBlock& block,
                  const typename Kernel::Material& material, const Reference& reference) {
-    Batch<Kernel> batch{block.group, material, block.nodes, {}};
+    const auto index = static_cast<std::size_t>(&block - model_.mesh.blocks.data());
+    Batch<Kernel> batch{block.group, index, material, block.nodes, {}};
     for (std::int32_t e = 0; e < block.count(); ++e) {
       const auto nodes = block.element(e);
       batch.reference.push_back(reference(gather<Kernel::nodes>(model_.mesh.points, nodes.data())));
@@ -253,13 +254,17 @@ class Builder {
     for (const auto& s : settings_.forces) used.push_back(s.group);
     for (std::size_t i = 0; i < settings_.ignored_groups.size(); ++i)
       known(fmt::format("ignore_group[{}]", i), settings_.ignored_groups[i]);
-    for (const std::string& group : groups_)
-      if (std::find(used.begin(), used.end(), group) == used.end())
-        report_.error(
-            where("mesh"),
-            fmt::format("group \"{}\" of {} has no role in this config; name it in membrane, cable, "
-                        "truss, mass, support or force, or in ignore_group",
-                        group, settings_.mesh.string()));
+    for (const std::string& group : groups_) {
+      const auto blocks = model_.mesh.blocks_of(group);
+      // Points are labels: they need no role.
+      const bool labels = std::all_of(blocks.begin(), blocks.end(),
+                                      [](const ElementBlock* b) { return b->kind == ElementKind::point1; });
+      if (!labels && std::find(used.begin(), used.end(), group) == used.end())
+        report_.error(where("mesh"),
+                      fmt::format("group \"{}\" of {} has no role in this config; name it in membrane, "
+                                  "cable, truss, support or force, or in ignore_group",
+                                  group, settings_.mesh.string()));
+    }
   }
 
   /// A free node without mass has no equation of motion.

@@ -16,6 +16,8 @@ template <class Kernel>
 struct Batch {
   using KernelType = Kernel;
   std::string group;
+  /// Index of the block in mesh::Mesh::blocks.
+  std::size_t block = 0;
   typename Kernel::Material material;
   /// Shape {count, Kernel::nodes}.
   std::vector<std::int32_t> nodes;

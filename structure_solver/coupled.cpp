@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "structure_solver/coupled.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/log.hpp"
+#include "structure_solver/state_io.hpp"
+
+namespace drogue::structure {
+namespace {
+
+using v1::FieldContract;
+
+constexpr const char* checkpoint_file = "structure.state";
+
+/// Values of a {nodes, k} array on some nodes.
+std::vector<double> gather(std::span<const double> values, std::span<const std::int32_t> nodes,
+                           std::size_t k) {
+  std::vector<double> result;
+  result.reserve(k * nodes.size());
+  for (const std::int32_t node : nodes)
+    for (std::size_t c = 0; c < k; ++c) result.push_back(values[k * static_cast<std::size_t>(node) + c]);
+  return result;
+}
+
+std::vector<double> material_coordinates(const mesh::Mesh& mesh, std::span<const std::int32_t> nodes) {
+  const auto field = mesh.node_fields.find("material");
+  if (field == mesh.node_fields.end() || field->second.components != 3) return {};
+  std::vector<double> values = gather(field->second.values, nodes, 3);
+  const bool complete = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  return complete ? std::move(values) : std::vector<double>{};
+}
+
+} // namespace
+
+Coupled::Coupled(Case c)
+    : case_(std::move(c)), integrator_(*case_.model, case_.integrator_options(), case_.start) {}
+
+participant::Description Coupled::describe() {
+  participant::Description d;
+  d.software = "structure_solver";
+  d.can_rollback = true;
+  d.can_checkpoint = true;
+  d.variable_step = true;
+  d.inputs = {
+      participant::field("force", FieldContract::FORCE, FieldContract::INTERFACE_NODES, 3),
+      participant::field("displacement", FieldContract::DISPLACEMENT, FieldContract::INTERFACE_NODES, 3)};
+  d.outputs = {
+      participant::field("displacement", FieldContract::DISPLACEMENT, FieldContract::INTERFACE_NODES, 3),
+      participant::field("velocity", FieldContract::VELOCITY, FieldContract::INTERFACE_NODES, 3)};
+  return d;
+}
+
+Result<void> Coupled::configure(const participant::RunInfo& run) {
+  if (case_.settings.interface.empty())
+    return config_error(
+        "{}: error: a coupled run needs \"interface\": the membrane group that meets the fluid",
+        case_.settings.source.where("interface"));
+  integrator_.set_time(run.start_time);
+  if (case_.settings.time.balanced_start) integrator_.balance_start();
+  results_.emplace(case_.settings, *case_.model, run.directory);
+  return {};
+}
+
+Result<participant::InterfaceMesh> Coupled::initialize() {
+  const Model& model = *case_.model;
+  const mesh::Mesh& mesh = model.mesh;
+  nodes_ = mesh.nodes_of(case_.settings.interface);
+  u_initial_ = gather(integrator_.committed().u, nodes_, 3);
+  force_.assign(model.equation_count(), 0.0);
+
+  participant::InterfaceMesh out;
+  out.reference = gather(mesh.points, nodes_, 3);
+  out.points = out.reference;
+  for (std::size_t i = 0; i < out.points.size(); ++i) out.points[i] += u_initial_[i];
+  out.material = material_coordinates(mesh, nodes_);
+  out.mesh_nodes.assign(nodes_.begin(), nodes_.end());
+  out.mesh_node_count = model.node_count();
+  out.mesh_hash = model.mesh_hash;
+  for (const mesh::ElementBlock* block : mesh.blocks_of(case_.settings.interface)) {
+    auto& elements = block->kind == mesh::ElementKind::quad9 ? out.quadrangles9 : out.triangles;
+    for (const std::int32_t node : block->nodes)
+      elements.push_back(std::lower_bound(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
+  }
+  return out;
+}
+
+Result<void> Coupled::begin_step(const participant::StepInfo& step) {
+  integrator_.set_time(step.time);
+  integrator_.begin_step(step.time_step, Integrator::Predictor::extrapolate);
+  step_iterations_ = 0;
+  return {};
+}
+
+void Coupled::start_iterate(const participant::Fields& inputs) {
+  const auto& force = inputs.at("force").values;
+  for (std::size_t k = 0; k < nodes_.size(); ++k)
+    std::copy_n(&force[3 * k], 3, &force_[3 * static_cast<std::size_t>(nodes_[k])]);
+  target_ = inputs.at("displacement").values;
+  for (std::size_t i = 0; i < target_.size(); ++i) target_[i] += u_initial_[i];
+  integrator_.set_interface_force(force_);
+  integrator_.set_displacement(nodes_, target_);
+}
+
+participant::FloatArray Coupled::on_interface(std::span<const double> values) const {
+  return {{nodes_.size(), 3}, gather(values, nodes_, 3)};
+}
+
+Result<participant::IterationReport> Coupled::iterate(const participant::Fields& inputs,
+                                                      participant::Fields& outputs) {
+  start_iterate(inputs);
+  participant::report_progress("structure: Newton");
+  const int count = case_.settings.newton.iterations_per_coupling;
+  const auto outcome = count > 0 ? integrator_.iterate(count) : integrator_.iterate_to_tolerance();
+  if (!outcome) return outcome.error();
+  step_iterations_ += outcome->iterations;
+  if (count == 0 && !outcome->converged)
+    return retryable_error(
+        "the structure's Newton iteration did not converge in {} iterations: correction {:.3g}, residual "
+        "{:.3g} of the step's first",
+        outcome->iterations, outcome->correction, outcome->residual);
+  participant::FloatArray u = on_interface(integrator_.trial().u);
+  for (std::size_t i = 0; i < u.values.size(); ++i) u.values[i] -= u_initial_[i];
+  outputs["displacement"] = std::move(u);
+  outputs["velocity"] = on_interface(integrator_.trial().v);
+  return participant::IterationReport{static_cast<std::uint32_t>(outcome->iterations), outcome->residual,
+                                      outcome->converged};
+}
+
+Result<void> Coupled::commit(bool write_output) {
+  integrator_.commit();
+  if (!write_output) return {};
+  return results_->step(integrator_.committed(), integrator_.balance(), step_iterations_);
+}
+
+Result<void> Coupled::rollback() {
+  integrator_.rollback();
+  return {};
+}
+
+Result<void> Coupled::checkpoint(const std::filesystem::path& directory) {
+  return save_state(directory / checkpoint_file, *case_.model, integrator_.committed());
+}
+
+Result<void> Coupled::restore(const std::filesystem::path& directory) {
+  auto state = read_state(directory / checkpoint_file, *case_.model);
+  if (!state) return state.error();
+  integrator_.reset(std::move(*state));
+  return {};
+}
+
+} // namespace drogue::structure

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "structure_solver/fields.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace drogue::structure {
+namespace {
+
+template <class Kernel>
+typename Kernel::Positions positions(const Model& model, std::span<const double> u,
+                                     const std::int32_t* nodes) {
+  typename Kernel::Positions x;
+  for (int a = 0; a < Kernel::nodes; ++a)
+    for (int c = 0; c < 3; ++c) {
+      const std::size_t i = 3 * static_cast<std::size_t>(nodes[a]) + static_cast<std::size_t>(c);
+      x(c, a) = model.mesh.points[i] + u[i];
+    }
+  return x;
+}
+
+struct Sums {
+  StressFields fields;
+  std::vector<double> weight; // of the nodal means
+  std::size_t cables = 0, slack = 0;
+  double max_stress = -std::numeric_limits<double>::infinity();
+  double min_stress = std::numeric_limits<double>::infinity();
+};
+
+template <mesh::ElementKind Kind>
+void add(const Batch<Membrane<Kind>>& batch, const Model& model, std::span<const double> u, Sums& sums) {
+  using Kernel = Membrane<Kind>;
+  const auto& rule = surface_rule<Kind>();
+  for (std::size_t e = 0; e < batch.count(); ++e) {
+    const auto& reference = batch.reference[e];
+    const auto x = positions<Kernel>(model, u, batch.element(e));
+    double area = 0, largest = 0, smallest = 0;
+    for (std::size_t q = 0; q < Kernel::points; ++q) {
+      const PrincipalStress p =
+          Kernel::principal_stress(Kernel::point_state(reference, batch.material, x, q));
+      sums.max_stress = std::max(sums.max_stress, p.largest);
+      sums.min_stress = std::min(sums.min_stress, p.smallest);
+      const double dA = reference.area[q];
+      area += dA;
+      largest += p.largest * dA;
+      smallest += p.smallest * dA;
+      for (int a = 0; a < Kernel::nodes; ++a) {
+        const auto node = static_cast<std::size_t>(batch.element(e)[a]);
+        const double w = rule.points[q].N(a) * dA;
+        sums.weight[node] += w;
+        sums.fields.nodal_largest[node] += w * p.largest;
+        sums.fields.nodal_smallest[node] += w * p.smallest;
+      }
+    }
+    sums.fields.cell_largest.push_back(largest / area);
+    sums.fields.cell_smallest.push_back(smallest / area);
+    sums.fields.cell_tension.push_back(0);
+  }
+}
+
+void add(const Batch<Line>& batch, const Model& model, std::span<const double> u, Sums& sums) {
+  for (std::size_t e = 0; e < batch.count(); ++e) {
+    const double tension =
+        Line::tension(batch.reference[e], batch.material, positions<Line>(model, u, batch.element(e)));
+    sums.fields.cell_largest.push_back(0);
+    sums.fields.cell_smallest.push_back(0);
+    sums.fields.cell_tension.push_back(tension);
+    sums.fields.max_tension = std::max(sums.fields.max_tension, tension);
+    if (!batch.material.tension_only) continue;
+    sums.cables += 1;
+    if (tension <= 0) sums.slack += 1;
+  }
+}
+
+} // namespace
+
+StressFields stress_fields(const Model& model, std::span<const double> u) {
+  Sums sums;
+  const std::size_t n = model.node_count();
+  sums.weight.assign(n, 0);
+  sums.fields.nodal_largest.assign(n, 0);
+  sums.fields.nodal_smallest.assign(n, 0);
+  for (const AnyBatch& any : model.batches)
+    std::visit([&](const auto& batch) { add(batch, model, u, sums); }, any);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(sums.weight[i] > 0)) continue;
+    sums.fields.nodal_largest[i] /= sums.weight[i];
+    sums.fields.nodal_smallest[i] /= sums.weight[i];
+  }
+  if (sums.max_stress >= sums.min_stress) {
+    sums.fields.max_stress = sums.max_stress;
+    sums.fields.min_stress = sums.min_stress;
+  }
+  if (sums.cables > 0)
+    sums.fields.slack_fraction = static_cast<double>(sums.slack) / static_cast<double>(sums.cables);
+  return std::move(sums.fields);
+}
+
+} // namespace drogue::structure

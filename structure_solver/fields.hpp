@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "structure_solver/model.hpp"
+
+namespace drogue::structure {
+
+/// Stresses and tensions of a configuration, for output.
+///
+/// Cells run over the batches of the model in order. Nodal stresses are means over the adjoining membranes,
+/// weighted with N_a dA; nodes on lines alone have 0.
+struct StressFields {
+  std::vector<double>
+      cell_largest; ///< largest principal second Piola-Kirchhoff stress, mean of a membrane; 0 on lines
+  std::vector<double> cell_smallest;
+  std::vector<double> cell_tension;   ///< tension of a line [force]; 0 on membranes
+  std::vector<double> nodal_largest;  ///< {nodes}
+  std::vector<double> nodal_smallest; ///< {nodes}
+  double max_stress = 0;              ///< over the quadrature points; 0 without membranes
+  double min_stress = 0;
+  double max_tension = 0;
+  double slack_fraction = 0; ///< of all tension-only elements; 0 without any
+};
+
+/// @param u displacement, {3 nodes}
+[[nodiscard]] StressFields stress_fields(const Model& model, std::span<const double> u);
+
+} // namespace drogue::structure

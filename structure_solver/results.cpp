@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "structure_solver/results.hpp"
+
+#include <fmt/format.h>
+
+namespace drogue::structure {
+
+Results::Results(const Settings& settings, const Model& model, std::filesystem::path directory)
+    : settings_(settings.output), model_(model), directory_(std::move(directory)) {
+  for (const ProbeSettings& probe : settings.probes) probes_.push_back(locate(model, probe));
+}
+
+std::vector<std::string> Results::series_columns() const {
+  std::vector<std::string> columns = {"time",          "step",          "newton_iterations", "kinetic_energy",
+                                      "strain_energy", "unbalance",     "max_stress",        "min_stress",
+                                      "max_tension",   "slack_fraction"};
+  for (const SupportSet& support : model_.supports)
+    for (const char* c : {"x", "y", "z"}) columns.push_back(fmt::format("reaction_{}_{}", support.group, c));
+  return columns;
+}
+
+Result<void> Results::open(std::uint64_t first_step) {
+  const std::string suffix = first_step > 1 ? fmt::format("_from_{}", first_step) : "";
+  auto series = io::CsvWriter::create(directory_ / ("structure" + suffix + ".csv"), series_columns());
+  if (!series) return series.error();
+  series_ = std::move(*series);
+  if (!probes_.empty()) {
+    std::vector<std::string> columns = {"time"};
+    for (const ProbePoint& probe : probes_)
+      for (const char* c : {"x", "y", "z"}) columns.push_back(fmt::format("{}_{}", probe.name, c));
+    auto probes = io::CsvWriter::create(directory_ / ("probes" + suffix + ".csv"), columns);
+    if (!probes) return probes.error();
+    probe_series_ = std::move(*probes);
+  }
+  collection_ = io::PvdCollection(directory_ / ("structure" + suffix + ".pvd"));
+  open_ = true;
+  return {};
+}
+
+Result<void> Results::step(const State& state, const Balance& balance, int iterations) {
+  if (!open_) DROGUE_TRY(open(state.step));
+  if (state.step % static_cast<std::uint64_t>(settings_.series_interval) == 0)
+    row(state, balance, iterations);
+  if (settings_.field_interval == 0 || state.step % static_cast<std::uint64_t>(settings_.field_interval) != 0)
+    return {};
+  return fields(state);
+}
+
+void Results::row(const State& state, const Balance& balance, int iterations) {
+  const StressFields stress = stress_fields(model_, state.u);
+  std::vector<double> values = {state.time,
+                                static_cast<double>(state.step),
+                                static_cast<double>(iterations),
+                                balance.kinetic_energy,
+                                balance.strain_energy,
+                                balance.unbalance,
+                                stress.max_stress,
+                                stress.min_stress,
+                                stress.max_tension,
+                                stress.slack_fraction};
+  for (const auto& reaction : balance.reactions)
+    values.insert(values.end(), reaction.begin(), reaction.end());
+  series_.row(values);
+  if (!probe_series_) return;
+  values = {state.time};
+  for (const ProbePoint& probe : probes_) {
+    const auto u = probe(state.u);
+    values.insert(values.end(), u.begin(), u.end());
+  }
+  probe_series_->row(values);
+}
+
+Result<void> Results::fields(const State& state) {
+  if (settings_.field_interval == 0 || last_fields_ == state.step) return {};
+  if (!open_) DROGUE_TRY(open(state.step));
+  const StressFields stress = stress_fields(model_, state.u);
+  std::vector<double> points = model_.mesh.points;
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] += state.u[i];
+  io::VtuData data;
+  data.points = points;
+  for (const AnyBatch& any : model_.batches)
+    std::visit([&](const auto& batch) { data.blocks.push_back(&model_.mesh.blocks[batch.block]); }, any);
+  data.point_data = {{"displacement", 3, state.u},
+                     {"velocity", 3, state.v},
+                     {"acceleration", 3, state.a},
+                     {"principal_stress_1", 1, stress.nodal_largest},
+                     {"principal_stress_2", 1, stress.nodal_smallest}};
+  data.cell_data = {{"principal_stress_1", 1, stress.cell_largest},
+                    {"principal_stress_2", 1, stress.cell_smallest},
+                    {"tension", 1, stress.cell_tension}};
+  const auto file = directory_ / fmt::format("structure_{:06}.vtu", state.step);
+  DROGUE_TRY(io::write_vtu(file, data));
+  last_fields_ = state.step;
+  return collection_.add(state.time, file);
+}
+
+} // namespace drogue::structure

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/io/csv.hpp"
+#include "common/io/vtu.hpp"
+#include "structure_solver/fields.hpp"
+#include "structure_solver/integrator.hpp"
+#include "structure_solver/probes.hpp"
+
+namespace drogue::structure {
+
+/// Writes the results of a run into one folder:
+///   structure.csv     a row every series_interval steps: time, step, Newton iterations, energies, unbalance,
+///                     stresses, tensions, reactions
+///   probes.csv        displacement of each probe
+///   structure_N.vtu, structure.pvd   every field_interval steps, on the current positions: displacement,
+///   velocity,
+///                     acceleration, principal second Piola-Kirchhoff stresses (nodes and cells), cable
+///                     tension
+/// A run that continues from step N writes structure_from_N.csv and so on, beside what the earlier run left.
+class Results {
+ public:
+  Results(const Settings& settings, const Model& model, std::filesystem::path directory);
+
+  /// Writes what the intervals ask for at this step. @param iterations Newton iterations of the step
+  [[nodiscard]] Result<void> step(const State& state, const Balance& balance, int iterations);
+  /// Writes the fields of `state` unless that was done already or field_interval is 0.
+  [[nodiscard]] Result<void> fields(const State& state);
+
+ private:
+  [[nodiscard]] Result<void> open(std::uint64_t first_step);
+  void row(const State& state, const Balance& balance, int iterations);
+  [[nodiscard]] std::vector<std::string> series_columns() const;
+
+  const OutputSettings settings_;
+  const Model& model_;
+  std::filesystem::path directory_;
+  std::vector<ProbePoint> probes_;
+  bool open_ = false;
+  io::CsvWriter series_;
+  std::optional<io::CsvWriter> probe_series_;
+  io::PvdCollection collection_;
+  std::optional<std::uint64_t> last_fields_;
+};
+
+} // namespace drogue::structure
