@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/scheme/exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <spdlog/spdlog.h>
+
+namespace drogue::coupler {
+namespace {
+
+using participant::Fields;
+using participant::FloatArray;
+
+projection::Surface surface_of(const std::string& name, const participant::InterfaceMesh& mesh) {
+  projection::Surface s{name, mesh.points, mesh.reference, mesh.material, {}};
+  const auto block = [&](mesh::ElementKind kind, const std::vector<std::int64_t>& nodes) {
+    if (!nodes.empty()) s.blocks.push_back({name, kind, {nodes.begin(), nodes.end()}});
+  };
+  block(mesh::ElementKind::tri3, mesh.triangles);
+  block(mesh::ElementKind::quad9, mesh.quadrangles9);
+  return s;
+}
+
+FloatArray field(std::vector<double> values) {
+  const std::uint64_t n = values.size() / 3;
+  return {{n, 3}, std::move(values)};
+}
+FloatArray field(std::span<const double> values) {
+  return field(std::vector<double>(values.begin(), values.end()));
+}
+
+Vector3 to_array(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+void say(const projection::MatchReport& r) {
+  spdlog::info(
+      "surfaces paired: {} points, largest gap {:.2e} of the size, worst normal angle {:.1f} degrees, "
+      "{:.2f} % of the structure dry, fluid on {} side{}{}",
+      r.points, r.largest_gap, r.worst_normal_angle, 100 * r.dry_area, r.fluid_sides,
+      r.fluid_sides == 1 ? "" : "s", r.matching ? ", the meshes match: fields are copied" : "");
+}
+
+} // namespace
+
+Result<Exchange> Exchange::create(Participants& participants, const CaseSettings& settings) {
+  auto interface = projection::make_interface(surface_of("structure", participants.structure_interface),
+                                              surface_of("fluid", participants.fluid_interface),
+                                              {settings.largest_gap, settings.quadrature_order});
+  if (!interface) return interface.error();
+  say(interface->report);
+  Exchange exchange(participants, std::move(*interface));
+  exchange.outer_boundary_follows_ = settings.outer_boundary_follows;
+  std::map<std::int64_t, std::int64_t> fluid_node;
+  const auto& nodes = participants.fluid_interface.mesh_nodes;
+  for (std::size_t i = 0; i < nodes.size(); ++i) fluid_node[nodes[i]] = static_cast<std::int64_t>(i);
+  for (const std::int64_t node : participants.mesh_interface.mesh_nodes)
+    exchange.to_mesh_mover_.push_back(fluid_node.at(node)); // check_same_mesh: the same set of nodes
+  exchange.fluid_d_.resize(participants.fluid_interface.points.size());
+  exchange.fluid_x_.resize(exchange.fluid_d_.size());
+  exchange.force_.resize(exchange.structure_size());
+  exchange.traction_.resize(exchange.structure_size());
+  return exchange;
+}
+
+Vector3 Exchange::mean(std::span<const double> field) const {
+  Vector3 m{};
+  surface_.mean(field, 3, m);
+  return m;
+}
+
+Result<FloatArray> Exchange::move_mesh(const Station& at, std::span<const double> d,
+                                       IterationRecord& record) {
+  DROGUE_TRY(interface_.field.apply(d, fluid_d_));
+  Fields inputs;
+  FloatArray& wanted = inputs["displacement"] = FloatArray{{to_mesh_mover_.size(), 3}, {}};
+  wanted.values.reserve(3 * to_mesh_mover_.size());
+  for (const std::int64_t i : to_mesh_mover_) {
+    const auto row = fluid_d_.begin() + 3 * i;
+    wanted.values.insert(wanted.values.end(), row, row + 3);
+  }
+  const Vector3 mean_d = outer_boundary_follows_ ? mean(d) : Vector3{};
+  inputs["translation"] = {{1, 3}, {mean_d.begin(), mean_d.end()}};
+  auto outputs = participants_.mesh_mover(at, std::move(inputs));
+  if (!outputs) return outputs.error();
+  if (const auto quality = outputs->find("quality");
+      quality != outputs->end() && !quality->second.values.empty())
+    record.smallest_volume_ratio = quality->second.values[0];
+  return std::move(outputs->at("mesh_displacement"));
+}
+
+Result<FloatArray> Exchange::solve_flow(const Station& at, FloatArray mesh_displacement,
+                                        std::span<const double> v, std::span<const double> v_start) {
+  Fields inputs;
+  inputs["mesh_displacement"] = std::move(mesh_displacement);
+  std::vector<double> fluid_v(fluid_d_.size());
+  DROGUE_TRY(interface_.field.apply(v, fluid_v));
+  if (!v_start.empty()) {
+    std::vector<double> start(fluid_d_.size());
+    DROGUE_TRY(interface_.field.apply(v_start, start));
+    inputs["velocity_start"] = field(std::move(start));
+  }
+  inputs["velocity"] = field(std::move(fluid_v));
+  auto outputs = participants_.fluid(at, std::move(inputs));
+  if (!outputs) return outputs.error();
+  return std::move(outputs->at(participants_.load_field()));
+}
+
+Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor, IterationRecord& record) {
+  for (std::size_t i = 0; i < fluid_x_.size(); ++i) fluid_x_[i] = interface_.fluid.points[i] + fluid_d_[i];
+  const projection::FluidSide fluid{fluid_x_, {}};
+  const projection::LoadSums on_fluid = participants_.load_is_pressure()
+                                            ? interface_.load.from_pressure(fluid, load.values, force_)
+                                            : interface_.load.from_traction(fluid, load.values, force_);
+  const projection::LoadSums on_structure = projection::sum_nodal(interface_.structure.points, force_);
+  record.force_fluid = to_array(on_fluid.force);
+  record.force_structure = to_array(on_structure.force);
+  const double scale = std::max(on_fluid.force.norm(), 1e-300);
+  record.force_defect = (on_fluid.force - on_structure.force).norm() / scale;
+  for (double& f : force_) f *= load_factor;
+  return interface_.load.recover_traction(force_, traction_);
+}
+
+Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span<const double> d,
+                                std::span<const double> v, std::span<const double> v_start,
+                                std::vector<double>& d_tilde, std::vector<double>& v_tilde,
+                                IterationRecord& record) {
+  auto mesh_displacement = move_mesh(at, d, record);
+  if (!mesh_displacement) return mesh_displacement.error();
+  const auto load = solve_flow(at, std::move(*mesh_displacement), v, v_start);
+  if (!load) return load.error();
+  DROGUE_TRY(transfer_load(*load, load_factor, record));
+  auto outputs = participants_.structure(
+      at, {{"force", field(force_)}, {"traction", field(traction_)}, {"displacement", field(d)}});
+  if (!outputs) return outputs.error();
+  d_tilde = std::move(outputs->at("displacement").values);
+  v_tilde = std::move(outputs->at("velocity").values);
+  return {};
+}
+
+} // namespace drogue::coupler

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "coupler/projection/interface.hpp"
+#include "coupler/projection/surface_integrals.hpp"
+#include "coupler/scheme/participants.hpp"
+#include "coupler/scheme/results.hpp"
+
+namespace drogue::coupler {
+
+/// What travels in one coupling iteration, with all projections: d, v of the structure in, its load and the
+/// fluid's motion out. Arrays {n, 3}.
+class Exchange {
+ public:
+  /// Pairs the surfaces the participants gave. Errors (ErrorKind::config): the surfaces do not fit.
+  [[nodiscard]] static Result<Exchange> create(Participants& participants, const CaseSettings& settings);
+
+  /// One pass around the loop for the iterate (d, v): mesh mover, fluid, structure. Fills d_tilde and v_tilde
+  /// and the record's forces and inner iterations.
+  /// @param v_start wall velocity at t_n^+ for MESH_RATE; empty otherwise
+  [[nodiscard]] Result<void> evaluate(const Station& at, double load_factor, std::span<const double> d,
+                                      std::span<const double> v, std::span<const double> v_start,
+                                      std::vector<double>& d_tilde, std::vector<double>& v_tilde,
+                                      IterationRecord& record);
+
+  /// L2 norm on the structure's surface over the square root of its area, and area-weighted mean.
+  [[nodiscard]] double norm(std::span<const double> field) const { return surface_.norm(field, 3); }
+  [[nodiscard]] Vector3 mean(std::span<const double> field) const;
+  /// Lumped areas, one a node, for inner products.
+  [[nodiscard]] std::span<const double> areas() const { return surface_.lumped_area(); }
+  [[nodiscard]] std::size_t structure_size() const { return 3 * surface_.lumped_area().size(); }
+
+ private:
+  Exchange(Participants& participants, projection::Interface interface)
+      : participants_(participants), interface_(std::move(interface)), surface_(interface_.structure) {}
+  [[nodiscard]] Result<participant::FloatArray> move_mesh(const Station& at, std::span<const double> d,
+                                                          IterationRecord& record);
+  [[nodiscard]] Result<participant::FloatArray> solve_flow(const Station& at,
+                                                           participant::FloatArray mesh_displacement,
+                                                           std::span<const double> v,
+                                                           std::span<const double> v_start);
+  [[nodiscard]] Result<void> transfer_load(const participant::FloatArray& load, double load_factor,
+                                           IterationRecord& record);
+
+  Participants& participants_;
+  projection::Interface interface_;
+  projection::SurfaceIntegrals surface_;
+  bool outer_boundary_follows_ = true;
+  std::vector<std::int64_t> to_mesh_mover_; ///< {n}: fluid interface node of each mesh mover interface node
+  std::vector<double> fluid_d_, fluid_x_, force_, traction_;
+};
+
+} // namespace drogue::coupler

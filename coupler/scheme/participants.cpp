@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/scheme/participants.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <random>
+
+#include <spdlog/spdlog.h>
+
+#include "coupler/scheme/contract.hpp"
+
+namespace drogue::coupler {
+namespace {
+
+using launcher::Peer;
+using launcher::Seconds;
+using participant::Fields;
+using participant::ProtocolState;
+
+wire::Message message(const Station& at = {}) {
+  wire::Message m;
+  m.envelope.set_step(at.step);
+  m.envelope.set_iteration(at.iteration);
+  m.envelope.set_attempt(at.attempt);
+  return m;
+}
+
+std::string new_run_id() {
+  std::random_device source;
+  return fmt::format("{:08x}{:08x}", source(), source());
+}
+
+/// Defaults that the case may override: one BLAS thread a process, MPI that starts as any user and waits
+/// passively.
+std::vector<std::string> environment(const ParticipantSettings& p, const std::string& run_id) {
+  std::vector<std::string> e{"DROGUE_RUN_ID=" + run_id, "DROGUE_PARTICIPANT=" + p.name};
+  for (const char* preset : {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMPI_ALLOW_RUN_AS_ROOT=1",
+                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "OMPI_MCA_mpi_yield_when_idle=1"}) {
+    const std::string entry(preset);
+    if (!std::getenv(entry.substr(0, entry.find('=')).c_str())) e.push_back(entry);
+  }
+  // A plain process that calls MPI_Init would start a daemon of its own otherwise.
+  if (p.ranks == 1) e.push_back("OMPI_MCA_ess_singleton_isolated=1");
+  e.insert(e.end(), p.environment.begin(), p.environment.end());
+  return e;
+}
+
+Result<std::vector<std::string>> arguments(const ParticipantSettings& p, const std::string& endpoint) {
+  const auto program = launcher::find_program(p.command);
+  if (!program) return Error{ErrorKind::config, fmt::format("{}: {}", p.name, program.error().message)};
+  std::vector<std::string> a;
+  if (p.ranks > 1) {
+    const auto mpiexec = launcher::find_program("mpiexec");
+    if (!mpiexec) return mpiexec.error();
+    a = {mpiexec->string(), "-n", std::to_string(p.ranks), "--oversubscribe", "--bind-to", "none"};
+  }
+  a.push_back(program->string());
+  if (!p.config.empty()) a.insert(a.end(), {"run", p.config.string()});
+  a.insert(a.end(), p.arguments.begin(), p.arguments.end());
+  a.insert(a.end(), {"--connect", endpoint});
+  return a;
+}
+
+Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Message& answer) {
+  participant::InterfaceMesh mesh;
+  const auto floats = [&](const char* name, std::vector<double>& to) {
+    if (const auto it = answer.floats.find(name); it != answer.floats.end()) to = it->second.values;
+  };
+  const auto indices = [&](const char* name, std::vector<std::int64_t>& to) {
+    if (const auto it = answer.indices.find(name); it != answer.indices.end()) to = it->second.values;
+  };
+  floats("points", mesh.points);
+  floats("reference", mesh.reference);
+  floats("material", mesh.material);
+  indices("triangles", mesh.triangles);
+  indices("quadrangles9", mesh.quadrangles9);
+  indices("mesh_nodes", mesh.mesh_nodes);
+  mesh.mesh_node_count = answer.envelope.initialized().mesh_node_count();
+  mesh.mesh_hash = answer.envelope.initialized().mesh_hash();
+
+  const std::size_t n = mesh.points.size();
+  const auto bad = [&](const char* what) {
+    return peer_error("{} gave an interface that does not hold together: {}", peer.name, what);
+  };
+  if (n == 0 || n % 3 != 0) return bad("points must be {n, 3} with n > 0");
+  if (!mesh.reference.empty() && mesh.reference.size() != n)
+    return bad("reference must have the shape of points");
+  if (!mesh.material.empty() && mesh.material.size() != n)
+    return bad("material must have the shape of points");
+  if (mesh.triangles.size() % 3 != 0) return bad("triangles must be {m, 3}");
+  if (mesh.quadrangles9.size() % 9 != 0) return bad("quadrangles9 must be {m, 9}");
+  const auto within = [](const std::vector<std::int64_t>& list, std::int64_t end) {
+    return std::all_of(list.begin(), list.end(), [end](std::int64_t i) { return i >= 0 && i < end; });
+  };
+  const auto nodes = static_cast<std::int64_t>(n / 3);
+  if (!within(mesh.triangles, nodes) || !within(mesh.quadrangles9, nodes))
+    return bad("an element names a missing node");
+  if (!within(mesh.mesh_nodes, static_cast<std::int64_t>(mesh.mesh_node_count)))
+    return bad("mesh_nodes names a node beyond mesh_node_count");
+  return mesh;
+}
+
+} // namespace
+
+Result<std::unique_ptr<Participants>> Participants::launch(const CaseSettings& settings,
+                                                           const std::filesystem::path& run_directory) {
+  std::unique_ptr<Participants> p(new Participants(settings));
+  auto hub = launcher::Hub::create(new_run_id());
+  if (!hub) return hub.error();
+  p->hub_ = std::move(*hub);
+  // Whatever fails from here on, the others are told why and nobody is left behind.
+  const auto all = [&]() -> Result<void> {
+    DROGUE_TRY(p->start(settings.structure, run_directory, p->structure_));
+    DROGUE_TRY(p->start(settings.mesh_mover, run_directory, p->mesh_mover_));
+    DROGUE_TRY(p->start(settings.fluid, run_directory, p->fluid_));
+    for (Peer* peer : {p->structure_, p->mesh_mover_, p->fluid_})
+      DROGUE_TRY(p->hub_->await_hello(*peer, Seconds(settings.deadlines.connect)));
+    DROGUE_TRY(p->check_contracts());
+    DROGUE_TRY(p->configure(run_directory));
+    return p->initialize();
+  };
+  if (auto outcome = all(); !outcome) {
+    p->hub_->abort(outcome.error().message);
+    return outcome.error();
+  }
+  return p;
+}
+
+Result<void> Participants::start(const ParticipantSettings& p, const std::filesystem::path& run_directory,
+                                 Peer*& peer) {
+  launcher::Command command;
+  auto a = arguments(p, hub_->endpoint());
+  if (!a) return a.error();
+  command.arguments = std::move(*a);
+  command.environment = environment(p, hub_->run_id());
+  command.directory = run_directory / p.name;
+  command.log_file = run_directory / (p.name + ".log");
+  std::error_code failure;
+  std::filesystem::create_directories(command.directory, failure);
+  if (failure)
+    return config_error("cannot make the folder {}: {}", command.directory.string(), failure.message());
+  auto started = hub_->start(p.name, command);
+  if (!started) return started.error();
+  peer = *started;
+  spdlog::info("{} started, pid {}, log {}", p.name, peer->process->pid(), command.log_file.string());
+  return {};
+}
+
+Result<void> Participants::check_contracts() {
+  using C = v1::FieldContract;
+  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+    const v1::Hello& h = peer->hello;
+    spdlog::info("{} is {}", peer->name, h.software());
+    if (h.min_version() > wire::version || h.max_version() < wire::version)
+      return peer_error("{} speaks protocol versions {} to {}, the coupler speaks {}", peer->name,
+                        h.min_version(), h.max_version(), wire::version);
+    if (settings_.loop.non_convergence == NonConvergence::retry && (!h.can_rollback() || !h.variable_step()))
+      return config_error("loop.non_convergence is RETRY, but {} cannot {}", peer->name,
+                          h.can_rollback() ? "change its step" : "roll back");
+  }
+  DROGUE_TRY(check_contract(*structure_,
+                            {{"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+                             {"velocity", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP}},
+                            {{"force", C::FORCE, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+                             {"traction", C::TRACTION, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+                             {"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP}}));
+  if (!find_input(structure_->hello, "force") && !find_input(structure_->hello, "traction"))
+    return config_error("structure takes neither \"force\" nor \"traction\": it cannot be loaded");
+  DROGUE_TRY(check_contract(*mesh_mover_,
+                            {{"mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3, C::END_OF_STEP}},
+                            {{"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+                             {"translation", C::TRANSLATION, C::GLOBAL, 3, C::END_OF_STEP}}));
+  DROGUE_TRY(check_contract(*fluid_, {},
+                            {{"mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3, C::END_OF_STEP},
+                             {"velocity", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+                             {"velocity_start", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP}}));
+  return choose_load();
+}
+
+/// The pair of wall velocity and load that must fit: the structure's rate with the load at t_{n+1}, or the
+/// mesh's mean rate over the slab with the slab's mean load. The mixed pair converges fastest, to a wrong
+/// answer.
+Result<void> Participants::choose_load() {
+  using C = v1::FieldContract;
+  const bool mean = settings_.loop.wall_velocity == WallVelocity::mesh_rate;
+  const C::TimeLevel level = mean ? C::MEAN_OF_STEP : C::END_OF_STEP;
+  if (mean && !find_input(fluid_->hello, "velocity_start"))
+    return config_error("loop.wall_velocity is MESH_RATE, but the fluid takes no \"velocity_start\"");
+  for (const C& output : fluid_->hello.output()) {
+    const bool pressure = output.quantity() == C::PRESSURE && output.components() == 1;
+    const bool traction = output.quantity() == C::TRACTION && output.components() == 3;
+    if (output.time_level() != level || output.location() != C::INTERFACE_NODES || !(pressure || traction))
+      continue;
+    load_field_ = output.name();
+    load_is_pressure_ = pressure;
+    return {};
+  }
+  return config_error(
+      "the fluid offers no pressure or traction on its interface nodes {}",
+      mean ? "as the mean of the step, which loop.wall_velocity MESH_RATE needs (the load at the end of "
+             "the step with that rate gives a wrong answer)"
+           : "at the end of the step");
+}
+
+Result<void> Participants::configure(const std::filesystem::path& run_directory) {
+  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+    wire::Message m = message();
+    v1::Configure& c = *m.envelope.mutable_configure();
+    c.set_version(wire::version);
+    c.set_directory((run_directory / peer->name).string());
+    c.set_start_time(0);
+    c.set_time_step(settings_.time_step);
+    DROGUE_TRY(hub_->post(*peer, std::move(m)));
+  }
+  for (Peer* peer : {structure_, mesh_mover_, fluid_})
+    DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.other)));
+  return {};
+}
+
+Result<void> Participants::initialize() {
+  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+    wire::Message m = message();
+    m.envelope.mutable_initialize();
+    DROGUE_TRY(hub_->post(*peer, std::move(m)));
+  }
+  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+    auto answer = hub_->await(*peer, Seconds(settings_.deadlines.initialize));
+    if (!answer) return answer.error();
+    auto mesh = interface_of(*peer, *answer);
+    if (!mesh) return mesh.error();
+    (peer == structure_ ? structure_interface
+     : peer == fluid_   ? fluid_interface
+                        : mesh_interface) = std::move(*mesh);
+  }
+  return check_same_mesh(fluid_interface, mesh_interface);
+}
+
+Result<void> Participants::begin_step(const Station& at, double time, double time_step) {
+  const std::array everyone{structure_, mesh_mover_, fluid_};
+  for (Peer* peer : everyone) {
+    wire::Message m = message(at);
+    m.envelope.mutable_begin_step()->set_time(time);
+    m.envelope.mutable_begin_step()->set_time_step(time_step);
+    DROGUE_TRY(hub_->post(*peer, std::move(m)));
+  }
+  for (Peer* peer : everyone) DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.iterate)));
+  return {};
+}
+
+Result<void> Participants::commit(const Station& at, bool write_output) {
+  const std::array everyone{structure_, mesh_mover_, fluid_};
+  for (Peer* peer : everyone) {
+    wire::Message m = message(at);
+    m.envelope.mutable_commit()->set_write_output(write_output);
+    DROGUE_TRY(hub_->post(*peer, std::move(m)));
+  }
+  for (Peer* peer : everyone) DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.other)));
+  return {};
+}
+
+Result<void> Participants::roll_back(const Station& at) {
+  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+    if (peer->state != ProtocolState::in_step && peer->state != ProtocolState::iterated) continue;
+    wire::Message m = message(at);
+    m.envelope.mutable_rollback();
+    DROGUE_TRY(hub_->ask(*peer, std::move(m), Seconds(settings_.deadlines.other)));
+  }
+  return {};
+}
+
+Result<Fields> Participants::iterate(Peer& peer, const Station& at, Fields inputs) {
+  wire::Message m = message(at);
+  m.envelope.mutable_iterate();
+  for (auto& [name, array] : inputs)
+    if (find_input(peer.hello, name)) m.floats[name] = std::move(array);
+  auto answer = hub_->ask(peer, std::move(m), Seconds(settings_.deadlines.iterate));
+  if (!answer) return answer.error();
+  for (const v1::FieldContract& output : peer.hello.output()) {
+    const auto it = answer->floats.find(output.name());
+    if (it == answer->floats.end()) {
+      if (output.optional()) continue;
+      return peer_error("{} gave no \"{}\"", peer.name, output.name());
+    }
+    if (const auto bad = wire::first_not_finite(it->second.values))
+      return retryable_error("{} gave a \"{}\" that is not finite at value {}", peer.name, output.name(),
+                             *bad);
+    const participant::InterfaceMesh& mesh = &peer == structure_ ? structure_interface
+                                             : &peer == fluid_   ? fluid_interface
+                                                                 : mesh_interface;
+    DROGUE_TRY(check_shape(peer.name, output, it->second, mesh));
+  }
+  return std::move(answer->floats);
+}
+
+Result<Fields> Participants::structure(const Station& at, Fields inputs) {
+  return iterate(*structure_, at, std::move(inputs));
+}
+Result<Fields> Participants::mesh_mover(const Station& at, Fields inputs) {
+  return iterate(*mesh_mover_, at, std::move(inputs));
+}
+Result<Fields> Participants::fluid(const Station& at, Fields inputs) {
+  return iterate(*fluid_, at, std::move(inputs));
+}
+
+} // namespace drogue::coupler

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "common/base/result.hpp"
+#include "coupler/launcher/peer.hpp"
+#include "coupler/settings.hpp"
+#include "participant/cpp/participant.hpp"
+
+namespace drogue::coupler {
+
+/// Where the coupled run stands: what every request carries.
+struct Station {
+  std::uint64_t step = 0;
+  std::uint32_t iteration = 0;
+  std::uint32_t attempt = 1;
+};
+
+/// The three participants of a case, as typed calls over the wire.
+class Participants {
+ public:
+  /// Starts the three processes (working directory RUN/NAME, log RUN/NAME.log), shakes hands, checks
+  /// versions, capabilities and field contracts, and initialises them side by side.
+  [[nodiscard]] static Result<std::unique_ptr<Participants>>
+  launch(const CaseSettings& settings, const std::filesystem::path& run_directory);
+
+  /// The interface each gave at Initialize.
+  participant::InterfaceMesh fluid_interface, structure_interface, mesh_interface;
+
+  [[nodiscard]] Result<void> begin_step(const Station& at, double time, double time_step);
+  /// All three; `write_output`: their own output intervals count this step.
+  [[nodiscard]] Result<void> commit(const Station& at, bool write_output);
+  /// Everyone that is in the step goes back to its beginning.
+  [[nodiscard]] Result<void> roll_back(const Station& at);
+
+  /// One solve: sends `inputs` (only those that the participant's contract names) and gives its outputs.
+  [[nodiscard]] Result<participant::Fields> structure(const Station& at, participant::Fields inputs);
+  [[nodiscard]] Result<participant::Fields> mesh_mover(const Station& at, participant::Fields inputs);
+  [[nodiscard]] Result<participant::Fields> fluid(const Station& at, participant::Fields inputs);
+
+  /// The load the fluid offers at the time level that the wall velocity asks for: name of its output.
+  [[nodiscard]] const std::string& load_field() const { return load_field_; }
+  [[nodiscard]] bool load_is_pressure() const { return load_is_pressure_; }
+
+  [[nodiscard]] launcher::Hub& hub() { return *hub_; }
+
+ private:
+  explicit Participants(const CaseSettings& settings) : settings_(settings) {}
+  [[nodiscard]] Result<void> start(const ParticipantSettings& p, const std::filesystem::path& run_directory,
+                                   launcher::Peer*& peer);
+  [[nodiscard]] Result<void> check_contracts();
+  [[nodiscard]] Result<void> choose_load();
+  [[nodiscard]] Result<void> configure(const std::filesystem::path& run_directory);
+  [[nodiscard]] Result<void> initialize();
+  [[nodiscard]] Result<participant::Fields> iterate(launcher::Peer& peer, const Station& at,
+                                                    participant::Fields inputs);
+
+  const CaseSettings& settings_;
+  std::unique_ptr<launcher::Hub> hub_;
+  launcher::Peer *fluid_ = nullptr, *structure_ = nullptr, *mesh_mover_ = nullptr;
+  std::string load_field_;
+  bool load_is_pressure_ = true;
+};
+
+} // namespace drogue::coupler

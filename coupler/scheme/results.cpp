@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/scheme/results.hpp"
+
+namespace drogue::coupler {
+
+Result<Results> Results::create(const std::filesystem::path& run_directory) {
+  Results results;
+  auto coupling = io::CsvWriter::create(run_directory / "coupling.csv", {"step",
+                                                                         "attempt",
+                                                                         "iteration",
+                                                                         "time",
+                                                                         "residual_relative",
+                                                                         "residual_absolute",
+                                                                         "increment",
+                                                                         "velocity_residual",
+                                                                         "sweep_defect",
+                                                                         "force_fluid_x",
+                                                                         "force_fluid_y",
+                                                                         "force_fluid_z",
+                                                                         "force_structure_x",
+                                                                         "force_structure_y",
+                                                                         "force_structure_z",
+                                                                         "force_defect",
+                                                                         "columns",
+                                                                         "smallest_volume_ratio",
+                                                                         "fluid_inner_iterations",
+                                                                         "structure_inner_iterations"});
+  if (!coupling) return coupling.error();
+  results.coupling_ = std::move(*coupling);
+  auto drag = io::CsvWriter::create(run_directory / "drag.csv",
+                                    {"time", "force_x", "force_y", "force_z", "cd", "load_factor",
+                                     "mean_displacement_x", "mean_displacement_y", "mean_displacement_z",
+                                     "iterations", "converged"});
+  if (!drag) return drag.error();
+  results.drag_ = std::move(*drag);
+  return results;
+}
+
+void Results::iteration(const IterationRecord& r) {
+  coupling_.row({r.step,
+                 r.attempt,
+                 r.iteration,
+                 r.time,
+                 r.residual_relative,
+                 r.residual_absolute,
+                 r.increment,
+                 r.velocity_residual,
+                 r.sweep_defect,
+                 r.force_fluid[0],
+                 r.force_fluid[1],
+                 r.force_fluid[2],
+                 r.force_structure[0],
+                 r.force_structure[1],
+                 r.force_structure[2],
+                 r.force_defect,
+                 r.columns,
+                 r.smallest_volume_ratio,
+                 r.fluid_inner_iterations,
+                 r.structure_inner_iterations});
+}
+
+void Results::step(const StepRecord& r) {
+  drag_.row({r.time, r.force[0], r.force[1], r.force[2], r.drag_coefficient, r.load_factor,
+             r.mean_displacement[0], r.mean_displacement[1], r.mean_displacement[2], r.iterations,
+             r.converged});
+}
+
+} // namespace drogue::coupler

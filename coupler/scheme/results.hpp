@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <filesystem>
+
+#include "common/base/result.hpp"
+#include "common/io/csv.hpp"
+
+namespace drogue::coupler {
+
+using Vector3 = std::array<double, 3>;
+
+/// One coupling iteration: a row of coupling.csv.
+struct IterationRecord {
+  double step = 0, attempt = 0, iteration = 0, time = 0;
+  double residual_relative = 0; ///< ||r|| / max(||d - d_n||, floor)
+  double residual_absolute = 0; ///< ||r||, L2 over the square root of the area [length]
+  double increment = 0;         ///< ||d~ - d_n|| [length]
+  double velocity_residual = 0; ///< ||v~ - v|| dt / max(increment, floor)
+  double sweep_defect = 0;      ///< ||(v_n + v)/2 dt - (d - d_n)|| / max(increment, floor)
+  Vector3 force_fluid{};        ///< integral of the load over the fluid surface [force]
+  Vector3 force_structure{};    ///< sum of the nodal forces [force]
+  double force_defect = 0;      ///< |difference| / max(|force_fluid|, tiny)
+  double columns = 0;           ///< secants the accelerator used for the next iterate
+  double smallest_volume_ratio = 0;
+  double fluid_inner_iterations = 0, structure_inner_iterations = 0;
+};
+
+/// One committed step: a row of drag.csv.
+struct StepRecord {
+  double time = 0;
+  Vector3 force{}; ///< fluid's force on the interface at t_{n+1}
+  double drag_coefficient = 0;
+  double load_factor = 1;
+  Vector3 mean_displacement{}; ///< area-weighted, since Initialize
+  double iterations = 0;
+  double converged = 1;
+};
+
+/// coupling.csv and drag.csv, a row at a time; what is written stays.
+class Results {
+ public:
+  [[nodiscard]] static Result<Results> create(const std::filesystem::path& run_directory);
+  void iteration(const IterationRecord& r);
+  void step(const StepRecord& r);
+
+ private:
+  io::CsvWriter coupling_, drag_;
+};
+
+} // namespace drogue::coupler

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/scheme/step_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <spdlog/spdlog.h>
+
+namespace drogue::coupler {
+namespace {
+
+acceleration::Settings from(const AccelerationSettings& s) {
+  acceleration::Settings a;
+  switch (s.method) {
+  case AccelerationMethod::constant:
+    a.method = acceleration::Method::constant;
+    break;
+  case AccelerationMethod::aitken:
+    a.method = acceleration::Method::aitken;
+    break;
+  case AccelerationMethod::iqn_ils:
+    a.method = acceleration::Method::iqn_ils;
+    break;
+  }
+  a.relaxation = s.relaxation;
+  a.max_relaxation = s.max_relaxation;
+  a.reuse_steps = s.reuse_steps;
+  a.filter = s.filter;
+  a.max_columns = s.max_columns;
+  return a;
+}
+
+/// A failure that a smaller step may cure counts as non-convergence; every other one ends the run.
+bool curable(const Error& error) {
+  return error.kind == ErrorKind::numerical && error.retryable;
+}
+
+} // namespace
+
+Result<StepLoop> StepLoop::create(Participants& participants, Exchange& exchange, Results& results,
+                                  const CaseSettings& settings) {
+  StepLoop loop(participants, exchange, results, settings);
+  const std::size_t size = exchange.structure_size();
+  for (std::vector<double>* v : {&loop.n_.d, &loop.n_.v, &loop.d_, &loop.v_, &loop.d_tilde_, &loop.v_tilde_,
+                                 &loop.r_, &loop.work_, &loop.d_before_, &loop.d_tilde_before_})
+    v->assign(size, 0.0);
+  for (const double area : exchange.areas()) loop.weights_.insert(loop.weights_.end(), 3, area);
+  DROGUE_TRY(loop.use_step(settings.time_step));
+  return loop;
+}
+
+Result<void> StepLoop::use_step(double time_step) {
+  if (time_step == accelerator_step_) return {};
+  auto made = acceleration::make_accelerator(from(settings_.acceleration), weights_.size(), weights_.size(),
+                                             weights_);
+  if (!made) return made.error();
+  accelerator_ = std::move(*made);
+  accelerator_step_ = time_step;
+  return {};
+}
+
+Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step) {
+  return advance(Station{step, 0, 1}, time, time_step, 0);
+}
+
+Result<void> StepLoop::advance(Station at, double time, double time_step, int halvings) {
+  DROGUE_TRY(use_step(time_step));
+  const bool may_retry =
+      settings_.loop.non_convergence == NonConvergence::retry && halvings < settings_.loop.max_halvings;
+  auto outcome = iterate(at, time, time_step);
+  if (!outcome) return outcome.error();
+  if (outcome->converged) return finish(at, *outcome, time, time_step);
+
+  const std::string what = fmt::format("step {} (t = {:g}, length {:g}) did not converge: {}", at.step,
+                                       time + time_step, time_step, outcome->trouble);
+  if (settings_.loop.non_convergence == NonConvergence::accept &&
+      at.iteration == static_cast<std::uint32_t>(outcome->iterations)) {
+    spdlog::warn("{}: accepted as the case says", what);
+    return finish(at, *outcome, time, time_step);
+  }
+  if (!may_retry) return numerical_error("{}", what);
+  spdlog::warn("{}: rolled back, in halves", what);
+  accelerator_->rollback();
+  DROGUE_TRY(participants_.roll_back(at));
+  ++totals_.retries;
+  const Station again{at.step, 0, at.attempt + 1};
+  DROGUE_TRY(advance(again, time, 0.5 * time_step, halvings + 1));
+  return advance(again, time + 0.5 * time_step, 0.5 * time_step, halvings + 1);
+}
+
+Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double time_step) {
+  const LoopSettings& loop = settings_.loop;
+  const double load_factor = settings_.load_factor(0, 0, 0, time + time_step);
+  DROGUE_TRY(participants_.begin_step(at, time, time_step));
+  accelerator_->begin_step();
+  predict(time_step);
+
+  Outcome outcome;
+  for (int k = 1; k <= loop.max_iterations; ++k) {
+    at.iteration = static_cast<std::uint32_t>(k);
+    record_ = {};
+    if (loop.wall_velocity == WallVelocity::mesh_rate) {
+      for (std::size_t i = 0; i < d_.size(); ++i) v_[i] = (d_[i] - n_.d[i]) / time_step;
+      v_start_ = v_;
+    }
+    const auto evaluated = exchange_.evaluate(at, load_factor, d_, v_, v_start_, d_tilde_, v_tilde_, record_);
+    if (!evaluated && !curable(evaluated.error())) return evaluated.error();
+    if (!evaluated) {
+      outcome.trouble = evaluated.error().message;
+      return outcome;
+    }
+    outcome.iterations = k;
+    measure(time_step);
+    learn_added_mass(k);
+    record_.step = static_cast<double>(at.step);
+    record_.attempt = at.attempt;
+    record_.iteration = k;
+    record_.time = time + time_step;
+    const bool small =
+        record_.residual_relative <= loop.relative || record_.residual_absolute <= loop.absolute;
+    outcome.converged = small && k >= loop.min_iterations;
+    const bool diverged = !(record_.residual_absolute <= loop.divergence);
+    if (!outcome.converged && !diverged && k < loop.max_iterations) {
+      if (!accelerator_->next({d_, d_tilde_, v_, v_tilde_}, d_, v_))
+        return numerical_error("the accelerator met a value that is not finite");
+      record_.columns = accelerator_->used_columns();
+    }
+    results_.iteration(record_);
+    spdlog::debug("step {} iteration {}: residual {:.2e} of the increment", at.step, k,
+                  record_.residual_relative);
+    if (outcome.converged) return outcome;
+    if (diverged) {
+      outcome.trouble = fmt::format("the residual grew to {:.3g}", record_.residual_absolute);
+      return outcome;
+    }
+  }
+  outcome.trouble = fmt::format("residual {:.2e} of the increment after {} iterations (asked: {:.0e})",
+                                record_.residual_relative, outcome.iterations, loop.relative);
+  return outcome;
+}
+
+/// Extrapolates d and v from the last levels (Lagrange polynomials over steps of any length).
+void StepLoop::predict(double time_step) {
+  const int order = std::min(settings_.loop.predictor, known_levels_ - 1);
+  const double a = n_.time_step, b = n_minus_1_.time_step, h = time_step;
+  double w0 = 1, w1 = 0, w2 = 0;
+  if (order == 1) {
+    w0 = 1 + h / a;
+    w1 = -h / a;
+  } else if (order == 2) {
+    w0 = (h + a) * (h + a + b) / (a * (a + b));
+    w1 = -h * (h + a + b) / (a * b);
+    w2 = h * (h + a) / ((a + b) * b);
+  }
+  for (std::size_t i = 0; i < d_.size(); ++i) {
+    d_[i] = w0 * n_.d[i] + (w1 != 0 ? w1 * n_minus_1_.d[i] : 0) + (w2 != 0 ? w2 * n_minus_2_.d[i] : 0);
+    v_[i] = w0 * n_.v[i] + (w1 != 0 ? w1 * n_minus_1_.v[i] : 0) + (w2 != 0 ? w2 * n_minus_2_.v[i] : 0);
+  }
+}
+
+void StepLoop::measure(double time_step) {
+  const std::size_t n = d_.size();
+  for (std::size_t i = 0; i < n; ++i) work_[i] = d_tilde_[i] - n_.d[i];
+  record_.increment = exchange_.norm(work_);
+  const double scale = std::max(record_.increment, settings_.loop.floor);
+  for (std::size_t i = 0; i < n; ++i) r_[i] = d_tilde_[i] - d_[i];
+  record_.residual_absolute = exchange_.norm(r_);
+  record_.residual_relative = record_.residual_absolute / scale;
+  for (std::size_t i = 0; i < n; ++i) work_[i] = (v_tilde_[i] - v_[i]) * time_step;
+  record_.velocity_residual = exchange_.norm(work_) / scale;
+  const bool mean_rate = settings_.loop.wall_velocity == WallVelocity::mesh_rate;
+  for (std::size_t i = 0; i < n; ++i)
+    work_[i] = (mean_rate ? v_[i] : 0.5 * (n_.v[i] + v_[i])) * time_step - (d_[i] - n_.d[i]);
+  record_.sweep_defect = exchange_.norm(work_) / scale;
+}
+
+/// From two evaluations of the first step: H carries -M_added/M_structure of a change of d back.
+void StepLoop::learn_added_mass(int iteration) {
+  if (totals_.added_mass_ratio == 0 && iteration == 2) {
+    for (std::size_t i = 0; i < d_.size(); ++i) work_[i] = d_[i] - d_before_[i];
+    const double dd = exchange_.norm(work_);
+    for (std::size_t i = 0; i < d_.size(); ++i) work_[i] = d_tilde_[i] - d_tilde_before_[i];
+    if (dd > 0) totals_.added_mass_ratio = exchange_.norm(work_) / dd;
+  }
+  d_before_ = d_;
+  d_tilde_before_ = d_tilde_;
+}
+
+Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double time, double time_step) {
+  DROGUE_TRY(participants_.commit(at, true));
+  accelerator_->end_step(outcome.converged);
+  std::swap(n_minus_2_, n_minus_1_);
+  std::swap(n_minus_1_, n_);
+  n_ = {d_tilde_, v_tilde_, time_step};
+  known_levels_ = std::min(known_levels_ + 1, 3);
+
+  ++totals_.steps;
+  totals_.iterations += outcome.iterations;
+  totals_.most_iterations = std::max(totals_.most_iterations, outcome.iterations);
+  totals_.unconverged += outcome.converged ? 0 : 1;
+
+  StepRecord s;
+  s.time = time + time_step;
+  s.force = record_.force_fluid;
+  for (std::size_t i = 0; i < 3; ++i) s.drag_coefficient += settings_.drag_weights[i] * s.force[i];
+  s.load_factor = settings_.load_factor(0, 0, 0, s.time);
+  s.mean_displacement = exchange_.mean(n_.d);
+  s.iterations = outcome.iterations;
+  s.converged = outcome.converged ? 1 : 0;
+  results_.step(s);
+  return {};
+}
+
+} // namespace drogue::coupler

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "coupler/acceleration/accelerator.hpp"
+#include "coupler/scheme/exchange.hpp"
+
+namespace drogue::coupler {
+
+/// Totals of a run, for the summary.
+struct LoopTotals {
+  int steps = 0;
+  int iterations = 0;
+  int most_iterations = 0;
+  int unconverged = 0;
+  int retries = 0;
+  double added_mass_ratio =
+      0; ///< ||dH|| / ||dd|| of the first secant: about the fluid's mass over the structure's
+};
+
+/// The nonlinear iteration of one time step [stein2001, "Fluid-Structure Coupling"]:
+///   1 predict d, v
+///   2 project to the fluid, move the mesh, solve the flow, project the load, solve the structure: d~ = H(d)
+///   3 r = d~ - d; stop when ||r|| <= relative max(||d~ - d_n||, floor) or ||r|| <= absolute
+///   4 accelerate d; v by the same affine combination; go to 2
+///   5 commit, or the policy for non-convergence
+class StepLoop {
+ public:
+  [[nodiscard]] static Result<StepLoop> create(Participants& participants, Exchange& exchange,
+                                               Results& results, const CaseSettings& settings);
+  /// Does the step from `time` to `time + time_step` (in halves if the policy says so).
+  [[nodiscard]] Result<void> advance(std::uint64_t step, double time, double time_step);
+  [[nodiscard]] const LoopTotals& totals() const { return totals_; }
+  [[nodiscard]] const IterationRecord& last() const { return record_; }
+
+ private:
+  struct Level { ///< interface state at one time
+    std::vector<double> d, v;
+    double time_step = 0; ///< length of the step that led here
+  };
+  struct Outcome {
+    bool converged = false;
+    int iterations = 0;
+    std::string trouble; ///< why not, when a solver failed or the residual blew up
+  };
+  StepLoop(Participants& participants, Exchange& exchange, Results& results, const CaseSettings& settings)
+      : participants_(participants), exchange_(exchange), results_(results), settings_(settings) {}
+
+  [[nodiscard]] Result<void> advance(Station at, double time, double time_step, int halvings);
+  [[nodiscard]] Result<Outcome> iterate(Station& at, double time, double time_step);
+  [[nodiscard]] Result<void> finish(const Station& at, const Outcome& outcome, double time, double time_step);
+  [[nodiscard]] Result<void> use_step(double time_step);
+  void predict(double time_step);
+  void measure(double time_step);
+  void learn_added_mass(int iteration);
+
+  Participants& participants_;
+  Exchange& exchange_;
+  Results& results_;
+  const CaseSettings& settings_;
+  std::unique_ptr<acceleration::Accelerator> accelerator_;
+  std::vector<double> weights_; ///< {3 n}: lumped area of each value
+  double accelerator_step_ = 0; ///< secants of the velocity belong to one length of the step
+
+  Level n_, n_minus_1_, n_minus_2_;
+  int known_levels_ = 1;
+  std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, r_, work_;
+  std::vector<double> d_before_, d_tilde_before_;
+  IterationRecord record_;
+  LoopTotals totals_;
+};
+
+} // namespace drogue::coupler

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/settings.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "drogue/v1/coupler.pb.h"
+
+namespace drogue::coupler {
+namespace {
+
+NonConvergence from(v1::CouplingLoop::NonConvergence policy) {
+  switch (policy) {
+  case v1::CouplingLoop::ABORT:
+    return NonConvergence::abort;
+  case v1::CouplingLoop::ACCEPT:
+    return NonConvergence::accept;
+  case v1::CouplingLoop::RETRY:
+    return NonConvergence::retry;
+  }
+  return NonConvergence::abort;
+}
+
+AccelerationMethod from(v1::Acceleration::Method method) {
+  switch (method) {
+  case v1::Acceleration::CONSTANT:
+    return AccelerationMethod::constant;
+  case v1::Acceleration::AITKEN:
+    return AccelerationMethod::aitken;
+  case v1::Acceleration::IQN_ILS:
+    return AccelerationMethod::iqn_ils;
+  }
+  return AccelerationMethod::iqn_ils;
+}
+
+std::string with_config_dir(std::string argument, const std::filesystem::path& folder) {
+  const std::string key = "${config_dir}";
+  for (std::size_t at = argument.find(key); at != std::string::npos; at = argument.find(key))
+    argument.replace(at, key.size(), folder.string());
+  return argument;
+}
+
+ParticipantSettings participant(const v1::ParticipantConfig& p, const std::string& name,
+                                const config::Source& source, config::Report& report) {
+  ParticipantSettings s;
+  s.name = name;
+  const auto folder = std::filesystem::absolute(source.file()).parent_path();
+  s.command = with_config_dir(p.command(), folder);
+  for (const std::string& a : p.argument()) s.arguments.push_back(with_config_dir(a, folder));
+  if (p.has_config()) s.config = std::filesystem::absolute(source.resolve(p.config()));
+  s.ranks = p.ranks();
+  for (int i = 0; i < p.environment_size(); ++i) {
+    s.environment.push_back(p.environment(i));
+    if (p.environment(i).find('=') == std::string::npos || p.environment(i).front() == '=')
+      report.error(source.where(fmt::format("{}.environment[{}]", name, i)),
+                   fmt::format("\"{}\" is not of the form NAME=value", p.environment(i)));
+  }
+  if (p.has_config() == (p.argument_size() > 0))
+    report.error(source.where(name), name + " needs either a config (one of Drogue's solvers) or arguments");
+  return s;
+}
+
+LoopSettings loop(const v1::CouplingLoop& l, const config::Source& source, config::Report& report) {
+  if (l.min_iterations() > l.max_iterations())
+    report.error(source.where("loop.min_iterations"), "loop.min_iterations is above loop.max_iterations");
+  LoopSettings s;
+  s.relative = l.relative();
+  s.absolute = l.absolute();
+  s.floor = l.floor();
+  s.max_iterations = l.max_iterations();
+  s.min_iterations = l.min_iterations();
+  s.predictor = l.predictor();
+  s.non_convergence = from(l.non_convergence());
+  s.max_halvings = l.max_halvings();
+  s.divergence = l.divergence();
+  s.wall_velocity = l.wall_velocity() == v1::CouplingLoop::MESH_RATE ? WallVelocity::mesh_rate
+                                                                     : WallVelocity::structure_rate;
+  return s;
+}
+
+AccelerationSettings acceleration(const v1::Acceleration& a) {
+  return {from(a.method()), a.relaxation(), a.max_relaxation(), a.reuse_steps(), a.filter(), a.max_columns()};
+}
+
+/// e / (1/2 rho U^2 A), e of length one.
+std::array<double, 3> drag_weights(const v1::DragReference& d, const config::Source& source,
+                                   config::Report& report) {
+  const double length = std::hypot(d.direction_x(), d.direction_y(), d.direction_z());
+  if (!(length > 0)) report.error(source.where("drag"), "the direction of the drag has length zero");
+  const double scale = length * 0.5 * d.density() * d.speed() * d.speed() * d.area();
+  return {d.direction_x() / scale, d.direction_y() / scale, d.direction_z() / scale};
+}
+
+} // namespace
+
+CaseSettings load_case(const std::filesystem::path& file, config::Report& report) {
+  v1::CaseConfig c;
+  const config::Source source = config::load(file, c, report);
+  CaseSettings s;
+  if (!report.ok()) return s;
+  s.file = std::filesystem::absolute(file);
+  s.name = c.name();
+  s.run_directory = c.run_directory();
+  s.fluid = participant(c.fluid(), "fluid", source, report);
+  s.structure = participant(c.structure(), "structure", source, report);
+  s.mesh_mover = participant(c.mesh_mover(), "mesh_mover", source, report);
+  s.time_step = c.time().step();
+  s.steps = c.time().steps();
+  s.loop = loop(c.loop(), source, report);
+  s.acceleration = acceleration(c.acceleration());
+  s.largest_gap = c.projection().largest_gap();
+  s.quadrature_order = c.projection().quadrature_order();
+  const v1::Deadlines& d = c.deadlines();
+  s.deadlines = {d.connect(), d.initialize(), d.iterate(), d.other(), d.shutdown()};
+  if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);
+  s.outer_boundary_follows = c.outer_boundary() == v1::FOLLOW_MEAN;
+  if (c.has_drag()) s.drag_weights = drag_weights(c.drag(), source, report);
+  return s;
+}
+
+} // namespace drogue::coupler

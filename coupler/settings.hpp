@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/config/config.hpp"
+#include "common/config/expression.hpp"
+
+namespace drogue::coupler {
+
+enum class NonConvergence { abort, accept, retry };
+enum class WallVelocity { structure_rate, mesh_rate };
+enum class AccelerationMethod { constant, aitken, iqn_ils };
+
+struct ParticipantSettings {
+  std::string name;    ///< "fluid", "structure" or "mesh_mover"
+  std::string command; ///< as written in the case
+  std::vector<std::string> arguments;
+  std::filesystem::path config; ///< empty for a participant with arguments of its own
+  int ranks = 1;
+  std::vector<std::string> environment;
+};
+
+struct LoopSettings {
+  double relative = 1e-3;
+  double absolute = 0;
+  double floor = 1e-9;
+  int max_iterations = 40;
+  int min_iterations = 1;
+  int predictor = 1;
+  NonConvergence non_convergence = NonConvergence::abort;
+  int max_halvings = 4;
+  double divergence = 1e6;
+  WallVelocity wall_velocity = WallVelocity::structure_rate;
+};
+
+struct AccelerationSettings {
+  AccelerationMethod method = AccelerationMethod::iqn_ils;
+  double relaxation = 0.05;
+  double max_relaxation = 1;
+  int reuse_steps = 20;
+  double filter = 1e-3;
+  int max_columns = 300;
+};
+
+/// Seconds.
+struct DeadlineSettings {
+  double connect = 60;
+  double initialize = 600;
+  double iterate = 600;
+  double other = 120;
+  double shutdown = 10;
+};
+
+/// A whole case, checked. Meaning, dimension and range of every value: proto/drogue/v1/coupler.proto.
+struct CaseSettings {
+  std::filesystem::path file;
+  std::string name;
+  std::filesystem::path run_directory;
+  ParticipantSettings fluid, structure, mesh_mover;
+  double time_step = 0;
+  int steps = 0;
+  LoopSettings loop;
+  AccelerationSettings acceleration;
+  double largest_gap = 0.02;
+  int quadrature_order = 4;
+  DeadlineSettings deadlines;
+  config::Expression load_factor;
+  bool outer_boundary_follows = true;
+  std::array<double, 3> drag_weights{}; ///< cd = weights . F; zero without a reference
+};
+
+/// Reads and checks a case file. All errors land in `report`; the settings are meaningful only when it stays
+/// empty.
+[[nodiscard]] CaseSettings load_case(const std::filesystem::path& file, config::Report& report);
+
+} // namespace drogue::coupler

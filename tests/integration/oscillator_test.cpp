@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whole coupled runs of four processes whose answer is known: the oscillator of oscillator_participant.cpp.
+#include <cmath>
+
+#include "coupler/launcher/process.hpp"
+#include "tests/support/coupled_case.hpp"
+
+namespace drogue::test {
+namespace {
+
+int run_coupler(const std::filesystem::path& case_file, const std::string& command = "run") {
+  auto process =
+      launcher::Process::start({{std::string(DROGUE_BIN_DIR) + "/coupler", command, case_file.string()},
+                                {},
+                                case_file.parent_path(),
+                                case_file.parent_path() / "output.txt"});
+  if (!process) return -1;
+  const auto& exit = process->wait(std::chrono::seconds(60));
+  return exit ? exit->status : -1;
+}
+
+/// Displacement since the start after each step of the trapezoidal rule for (m + m_a) a + k d = 0.
+std::vector<double> oscillator(int steps, double dt) {
+  const double mass = 5.5, k = 40, d0 = 0.01;
+  double d = d0, v = 0, a = -k * d / mass;
+  std::vector<double> history;
+  for (int n = 0; n < steps; ++n) {
+    const double guess = d + dt * v + 0.25 * dt * dt * a;
+    const double a1 = -k * guess / (mass + 0.25 * dt * dt * k);
+    d = guess + 0.25 * dt * dt * a1;
+    v += 0.5 * dt * (a + a1);
+    a = a1;
+    history.push_back(d - d0);
+  }
+  return history;
+}
+
+TEST(Oscillator, FollowsTheMonolithicSolutionWithTenfoldAddedMass) {
+  const auto folder = fresh_folder("iqn");
+  ASSERT_EQ(run_coupler(write_case(folder, {.steps = 20, .extra = "loop { relative: 1e-9 }"})), 0)
+      << read_text(folder / "output.txt");
+  const Table drag = read_csv(folder / "run/drag.csv"), coupling = read_csv(folder / "run/coupling.csv");
+  const auto exact = oscillator(20, 0.02);
+  ASSERT_EQ(drag.rows.size(), 20u);
+  for (std::size_t n = 0; n < exact.size(); ++n)
+    EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-8 * 0.01) << "step " << n + 1;
+  for (std::size_t i = 0; i < coupling.rows.size(); ++i) EXPECT_LT(coupling.at(i, "force_defect"), 1e-12);
+}
+
+TEST(Oscillator, SmallConstantRelaxationConvergesToTheSame) {
+  const auto folder = fresh_folder("constant");
+  ASSERT_EQ(run_coupler(write_case(folder, {.steps = 3,
+                                            .extra = "acceleration { method: CONSTANT relaxation: 0.1 }"
+                                                     "loop { relative: 1e-7 max_iterations: 400 }"})),
+            0)
+      << read_text(folder / "output.txt");
+  EXPECT_NEAR(read_csv(folder / "run/drag.csv").at(2, "mean_displacement_z"), oscillator(3, 0.02)[2],
+              1e-7 * 0.01);
+}
+
+TEST(Oscillator, NonConvergenceAbortsWithStatusThreeAndKeepsWhatIsWritten) {
+  const auto folder = fresh_folder("abort");
+  ASSERT_EQ(run_coupler(write_case(folder, {.extra = "acceleration { method: CONSTANT relaxation: 1 }"
+                                                     "loop { max_iterations: 4 divergence: 1e9 }"})),
+            3);
+  EXPECT_NE(read_text(folder / "output.txt").find("step 1 (t = 0.02, length 0.02) did not converge"),
+            std::string::npos);
+  EXPECT_EQ(read_csv(folder / "run/coupling.csv").rows.size(), 4u);
+}
+
+TEST(Oscillator, AcceptedStepsAreCountedAsNotConverged) {
+  const auto folder = fresh_folder("accept");
+  ASSERT_EQ(run_coupler(write_case(folder, {.steps = 2,
+                                            .extra = "acceleration { method: CONSTANT relaxation: 0.1 }"
+                                                     "loop { max_iterations: 2 non_convergence: ACCEPT }"})),
+            0);
+  EXPECT_NE(read_text(folder / "output.txt").find("2 not converged"), std::string::npos);
+  EXPECT_EQ(read_csv(folder / "run/drag.csv").at(0, "converged"), 0);
+}
+
+TEST(Oscillator, ARefusedStepIsDoneInHalves) {
+  const auto folder = fresh_folder("retry");
+  ASSERT_EQ(run_coupler(write_case(folder, {.fluid_arguments = "--refuse-steps-above 0.012",
+                                            .steps = 3,
+                                            .extra = "loop { relative: 1e-9 non_convergence: RETRY }"})),
+            0)
+      << read_text(folder / "output.txt");
+  const Table drag = read_csv(folder / "run/drag.csv");
+  const auto exact = oscillator(6, 0.01);
+  ASSERT_EQ(drag.rows.size(), 6u);
+  for (std::size_t n = 0; n < 6; ++n) EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-8 * 0.01);
+}
+
+TEST(Oscillator, AnEarlierRunIsKeptAside) {
+  const auto folder = fresh_folder("aside");
+  const auto file = write_case(folder, {.steps = 1});
+  ASSERT_EQ(run_coupler(file), 0);
+  ASSERT_EQ(run_coupler(file), 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "run.1/drag.csv"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/drag.csv"));
+}
+
+TEST(Oscillator, AnInconsistentPairOfRateAndLoadIsRefused) {
+  const auto folder = fresh_folder("pair");
+  ASSERT_EQ(run_coupler(write_case(folder, {.extra = "loop { wall_velocity: MESH_RATE }"})), 2);
+  EXPECT_NE(read_text(folder / "output.txt").find("MESH_RATE"), std::string::npos);
+}
+
+} // namespace
+} // namespace drogue::test

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Three participants with physics that can be solved by hand, for tests of the coupling itself. A rigid
+// square plate of mass m an area on springs k an area (structure), wetted on one side by a fluid that answers
+// with its added mass m_a:
+//   structure   m a + k d = f/A          fluid   p = -m_a a          mesh_mover   every node moves with the
+//   plate
+// with the trapezoidal rule in both, so that the coupled steps are those of the oscillator (m + m_a) a + k d
+// = 0. usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] --connect ENDPOINT
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "participant/cpp/participant.hpp"
+
+namespace {
+
+using namespace drogue;
+using namespace drogue::participant;
+using C = v1::FieldContract;
+
+constexpr double structure_mass = 0.5, spring = 40, added_mass = 5, initial_displacement = 0.01;
+constexpr double initial_acceleration = -spring * initial_displacement / (structure_mass + added_mass);
+
+struct Options {
+  std::string role, endpoint;
+  double delay = 0;                ///< seconds of "work" in every iterate
+  double refuse_steps_above = 1e9; ///< a fluid that cannot do long steps (retryable error)
+};
+
+/// The unit square as a grid of n x n squares, two triangles each; n differs between the two sides.
+InterfaceMesh plate(int n) {
+  InterfaceMesh mesh;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) mesh.points.insert(mesh.points.end(), {double(i) / n, double(j) / n, 0.0});
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const std::int64_t a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+      mesh.triangles.insert(mesh.triangles.end(), {a, b, d, a, d, c});
+    }
+  mesh.mesh_node_count = mesh.points.size() / 3;
+  for (std::uint64_t i = 0; i < mesh.mesh_node_count; ++i)
+    mesh.mesh_nodes.push_back(static_cast<std::int64_t>(i));
+  return mesh;
+}
+
+/// Nodes of the plate on one side, with the trapezoidal rule's d, v, a along z.
+class Plate : public Solver {
+ public:
+  Plate(Options options, int n) : options_(std::move(options)), mesh_(plate(n)) {}
+  Result<void> configure(const RunInfo&) override { return {}; }
+  Result<InterfaceMesh> initialize() override {
+    std::printf("plate of %zu nodes ready\n", static_cast<std::size_t>(mesh_.mesh_node_count));
+    std::fflush(stdout);
+    return mesh_;
+  }
+  Result<void> begin_step(const StepInfo& step) override {
+    dt_ = step.time_step;
+    return {};
+  }
+  Result<IterationReport> iterate(const Fields& in, Fields& out) override {
+    std::this_thread::sleep_for(std::chrono::duration<double>(options_.delay));
+    return solve(in, out);
+  }
+  Result<void> commit(bool) override {
+    n_ = now_;
+    return {};
+  }
+  Result<void> rollback() override {
+    now_ = n_;
+    return {};
+  }
+  Result<void> checkpoint(const std::filesystem::path&) override { return {}; }
+  Result<void> restore(const std::filesystem::path&) override { return {}; }
+
+ protected:
+  struct Motion {
+    double d = 0, v = 0, a = 0;
+  };
+  virtual Result<IterationReport> solve(const Fields& in, Fields& out) = 0;
+  [[nodiscard]] std::uint64_t nodes() const { return mesh_.mesh_node_count; }
+  [[nodiscard]] FloatArray along_z(double value) const {
+    FloatArray a{{nodes(), 3}, std::vector<double>(3 * nodes(), 0.0)};
+    for (std::size_t i = 2; i < a.values.size(); i += 3) a.values[i] = value;
+    return a;
+  }
+  Options options_;
+  InterfaceMesh mesh_;
+  double dt_ = 0;
+  Motion n_, now_;
+};
+
+class Structure : public Plate {
+ public:
+  explicit Structure(Options o) : Plate(std::move(o), 5) {
+    n_ = now_ = {initial_displacement, 0, initial_acceleration};
+  }
+  Description describe() override {
+    Description d;
+    d.software = "oscillator structure";
+    d.inputs = {field("force", C::FORCE, C::INTERFACE_NODES, 3)};
+    d.outputs = {field("displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3),
+                 field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3)};
+    return d;
+  }
+
+ protected:
+  Result<IterationReport> solve(const Fields& in, Fields& out) override {
+    double force = 0;
+    const auto& f = in.at("force").values;
+    for (std::size_t i = 2; i < f.size(); i += 3) force += f[i];
+    // d = d_n + dt v_n + dt^2/4 (a_n + a),  m a + k d = f
+    const double guess = n_.d + dt_ * n_.v + 0.25 * dt_ * dt_ * n_.a;
+    now_.a = (force - spring * guess) / (structure_mass + 0.25 * dt_ * dt_ * spring);
+    now_.d = guess + 0.25 * dt_ * dt_ * now_.a;
+    now_.v = n_.v + 0.5 * dt_ * (n_.a + now_.a);
+    out["displacement"] = along_z(now_.d - initial_displacement); // since Initialize
+    out["velocity"] = along_z(now_.v);
+    return IterationReport{1, 0, true};
+  }
+};
+
+class Fluid : public Plate {
+ public:
+  explicit Fluid(Options o) : Plate(std::move(o), 7) { n_ = now_ = {0, 0, initial_acceleration}; }
+  Description describe() override {
+    Description d;
+    d.software = "oscillator fluid";
+    d.inputs = {field("mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3),
+                field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3)};
+    d.outputs = {field("pressure", C::PRESSURE, C::INTERFACE_NODES, 1)};
+    return d;
+  }
+
+ protected:
+  Result<IterationReport> solve(const Fields& in, Fields& out) override {
+    if (dt_ > options_.refuse_steps_above) return retryable_error("a step of {} is too long", dt_);
+    const auto& v = in.at("velocity").values;
+    FloatArray p{{nodes(), 1}, std::vector<double>(nodes())};
+    for (std::size_t i = 0; i < nodes(); ++i)
+      p.values[i] = -added_mass * (2 * (v[3 * i + 2] - n_.v) / dt_ - n_.a);
+    now_.v = v[2];
+    now_.a = 2 * (now_.v - n_.v) / dt_ - n_.a;
+    out["pressure"] = std::move(p);
+    return IterationReport{1, 0, true};
+  }
+};
+
+class Mover : public Plate {
+ public:
+  explicit Mover(Options o) : Plate(std::move(o), 7) {}
+  Description describe() override {
+    Description d;
+    d.software = "oscillator mesh mover";
+    d.inputs = {field("displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3)};
+    d.outputs = {field("mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3)};
+    return d;
+  }
+
+ protected:
+  Result<IterationReport> solve(const Fields& in, Fields& out) override {
+    out["mesh_displacement"] = in.at("displacement");
+    return IterationReport{1, 0, true};
+  }
+};
+
+} // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  options.role = argc > 1 ? argv[1] : "";
+  for (int i = 2; i + 1 < argc; i += 2) {
+    const std::string name = argv[i];
+    if (name == "--connect") options.endpoint = argv[i + 1];
+    if (name == "--delay") options.delay = std::atof(argv[i + 1]);
+    if (name == "--refuse-steps-above") options.refuse_steps_above = std::atof(argv[i + 1]);
+  }
+  std::unique_ptr<Solver> solver;
+  if (options.role == "structure") solver = std::make_unique<Structure>(options);
+  if (options.role == "fluid") solver = std::make_unique<Fluid>(options);
+  if (options.role == "mesh_mover") solver = std::make_unique<Mover>(options);
+  if (!solver) return 2;
+  const auto outcome = serve(*solver, serve_options_from_environment(options.endpoint));
+  if (!outcome) std::fprintf(stderr, "%s\n", outcome.error().message.c_str());
+  return outcome ? 0 : exit_status(outcome.error());
+}
