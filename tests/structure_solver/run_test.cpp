@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Whole runs through files: restart, static equilibrium, results, the participant's promises, what `check`
+// reports.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+#include "common/io/state_file.hpp"
+#include "common/mesh/msh.hpp"
+#include "structure_solver/coupled.hpp"
+#include "structure_solver/run.hpp"
+#include "structure_solver/state_io.hpp"
+#include "tests/structure_solver/test_structures.hpp"
+
+namespace drogue::structure {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Numbers;
+
+constexpr const char* properties = R"(
+  mesh: "cloth.msh"
+  membrane { group: "cloth" thickness: 0.01 density: 6 youngs_modulus: 2e5 }
+  cable { group: "hem" area: 1e-3 density: 6 youngs_modulus: 4e6 }
+  support { group: "edge" }
+  gravity { z: "-9.81" }
+)";
+
+/// A Q9 sheet held at its edge with a cable across, in a folder of its own that is the working directory.
+class Files : public testing::Test {
+ protected:
+  void SetUp() override {
+    previous_ = fs::current_path();
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() / fmt::format("drogue-structure-{}-{}", info->name(), getpid());
+    fs::create_directories(folder_);
+    fs::current_path(folder_);
+    mesh::Mesh mesh = test::sheet(mesh::ElementKind::quad9, 2, 2,
+                                  [](double s, double t) { return Eigen::Vector3d(s, t, 0); });
+    mesh.blocks.push_back({"hem", mesh::ElementKind::line2, {10, 11, 11, 12, 12, 13, 13, 14}});
+    mesh.node_fields["material"] = {3, mesh.points};
+    const auto written = mesh::write_msh("cloth.msh", mesh);
+    ASSERT_TRUE(written) << written.error().message;
+  }
+  void TearDown() override {
+    fs::current_path(previous_);
+    fs::remove_all(folder_);
+  }
+  static void write(const std::string& name, const std::string& text) { std::ofstream(name) << text; }
+  static std::string read(const std::string& name) {
+    std::ifstream stream(name, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+  static Case load(const std::string& name) {
+    auto c = load_case(name);
+    EXPECT_TRUE(c) << (c ? "" : c.error().message);
+    return c ? std::move(*c) : Case{};
+  }
+
+ private:
+  fs::path previous_, folder_;
+};
+
+TEST_F(Files, HalfARunTwiceIsTheWholeRunToTheBit) {
+  const auto config = [](int steps, const std::string& more) {
+    return fmt::format(
+        "{} pressure {{ group: \"cloth\" value: \"40*sin(30*t)\" }} time {{ step: 0.01 steps: {} }} {}",
+        properties, steps, more);
+  };
+  write("whole.textproto", config(8, "final_state: \"whole.state\""));
+  write("first.textproto", config(4, "final_state: \"half.state\""));
+  write("second.textproto", config(4, "initial_state: \"half.state\" final_state: \"twice.state\""));
+  ASSERT_TRUE(run_file("whole.textproto"));
+  ASSERT_TRUE(run_file("first.textproto"));
+  ASSERT_TRUE(run_file("second.textproto"));
+  const std::string whole = read("whole.state");
+  EXPECT_GT(whole.size(), 25U * 3 * 3 * 8);
+  EXPECT_EQ(whole, read("twice.state"));
+  EXPECT_NE(whole, read("half.state"));
+}
+
+TEST_F(Files, StaticRunStopsInEquilibriumAndWritesResults) {
+  write("static.textproto", std::string(properties) + R"(
+    pressure { group: "cloth" value: "40" }
+    time { mode: STATIC_BY_DAMPED_DYNAMICS step: 0.01 largest_step: 1 rho_infinity: 0 mass_damping: 20 unbalance: 1e-4 }
+    final_state: "static.state"
+    output { directory: "out" field_interval: 5 }
+    probe { name: "centre" x: 0.5 y: 0.5 z: 0 }
+  )");
+  const auto done = run_file("static.textproto");
+  ASSERT_TRUE(done) << done.error().message;
+  const Case c = load("static.textproto");
+  const auto state = read_state("static.state", *c.model);
+  ASSERT_TRUE(state) << state.error().message;
+  Integrator integrator(*c.model, c.integrator_options(), *state);
+  EXPECT_LT(integrator.balance().unbalance, 1e-4);
+  EXPECT_GT(state->u[3 * 12 + 2], 0.01);
+  EXPECT_TRUE(fs::exists("out/structure.pvd"));
+
+  // the last row of probes.csv is the centre node's displacement
+  const std::string probes = read("out/probes.csv");
+  const std::string last = probes.substr(probes.rfind('\n', probes.size() - 2) + 1);
+  EXPECT_DOUBLE_EQ(std::stod(last.substr(last.rfind(',') + 1)), state->u[3 * 12 + 2]);
+
+  // reactions balance weight and pressure: read the last row of structure.csv by its header
+  const std::string series = read("out/structure.csv");
+  EXPECT_NE(series.find("reaction_edge_z"), std::string::npos);
+}
+
+TEST_F(Files, StaticRunThatCannotBalanceIsANumericalError) {
+  write("short.textproto", std::string(properties) + R"(
+    pressure { group: "cloth" value: "40" }
+    time { mode: STATIC_BY_DAMPED_DYNAMICS step: 0.01 largest_time: 0.02 mass_damping: 20 }
+  )");
+  const auto done = run_file("short.textproto");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(exit_status(done.error()), 3);
+}
+
+TEST_F(Files, CheckReportsEveryMismatchWithTheMesh) {
+  write("wrong.textproto", R"(mesh: "cloth.msh"
+membrane { group: "cloths" thickness: 0.01 density: 6 youngs_modulus: 2e5 }
+cable { group: "cloth" area: 1e-3 density: 6 youngs_modulus: 4e6 }
+support { group: "edge" components: "xw" }
+interface: "hem"
+)");
+  const auto checked = check_case("wrong.textproto");
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(exit_status(checked.error()), 2);
+  const std::string& text = checked.error().message;
+  EXPECT_NE(text.find("wrong.textproto:2:"), std::string::npos) << text;
+  EXPECT_NE(text.find("did you mean \"cloth\""), std::string::npos) << text;
+  EXPECT_NE(text.find("2-node lines are needed here"), std::string::npos) << text;
+  EXPECT_NE(text.find("only the letters x, y and z"), std::string::npos) << text;
+  EXPECT_NE(text.find("group \"hem\" is not a membrane"), std::string::npos) << text;
+  EXPECT_NE(text.find("group \"hem\" of"), std::string::npos) << text;
+}
+
+TEST_F(Files, CheckRefusesAStateOfAnotherMesh) {
+  io::State state{"structure", "0123456789abcdef", 0, 0, {}};
+  ASSERT_TRUE(io::write_state("other.state", state));
+  write("config.textproto", std::string(properties) + "initial_state: \"other.state\"");
+  const auto checked = check_case("config.textproto");
+  ASSERT_FALSE(checked);
+  EXPECT_NE(checked.error().message.find("another mesh"), std::string::npos) << checked.error().message;
+}
+
+/// Drives a participant as the coupler does.
+class CoupledRun : public Files {
+ protected:
+  void SetUp() override {
+    Files::SetUp();
+    write("coupled.textproto", std::string(properties) + R"(
+      interface: "cloth"
+      newton { iterations_per_coupling: 1 }
+      output { directory: "out" field_interval: 0 }
+    )");
+  }
+  static std::unique_ptr<Coupled> start() {
+    auto solver = std::make_unique<Coupled>(load("coupled.textproto"));
+    EXPECT_TRUE(solver->configure({fs::current_path() / "run", 0, 0.01}));
+    EXPECT_TRUE(solver->initialize());
+    return solver;
+  }
+  static participant::Fields inputs(std::uint64_t seed, const std::vector<double>& d) {
+    participant::Fields in;
+    std::vector<double> force(75);
+    Numbers numbers;
+    for (double& f : force) f = 0.05 * numbers() * static_cast<double>(seed);
+    in["force"] = {{25, 3}, force};
+    in["displacement"] = {{25, 3}, d};
+    return in;
+  }
+  /// One step of `iterations` plain fixed-point iterations; returns the last outputs.
+  static participant::Fields step(Coupled& solver, std::uint64_t k, std::vector<double>& d,
+                                  int iterations = 3) {
+    participant::Fields out;
+    EXPECT_TRUE(solver.begin_step({k, 1, 0.01 * static_cast<double>(k - 1), 0.01}));
+    for (int i = 0; i < iterations; ++i) {
+      EXPECT_TRUE(solver.iterate(inputs(k, d), out));
+      d = out.at("displacement").values;
+    }
+    return out;
+  }
+};
+
+TEST_F(CoupledRun, InterfaceIsTheMembrane) {
+  Coupled solver(load("coupled.textproto"));
+  ASSERT_TRUE(solver.configure({fs::current_path(), 0, 0.01}));
+  const auto mesh = solver.initialize();
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh->points.size(), 75U);
+  EXPECT_EQ(mesh->quadrangles9.size(), 4U * 9);
+  EXPECT_TRUE(mesh->triangles.empty());
+  EXPECT_EQ(mesh->material, mesh->reference);
+  EXPECT_EQ(mesh->mesh_nodes.size(), 25U);
+}
+
+TEST_F(CoupledRun, RollbackAndRepeatGiveTheSameBits) {
+  auto solver = start();
+  std::vector<double> d(75, 0.0);
+  (void)step(*solver, 1, d);
+  ASSERT_TRUE(solver->commit(false));
+  std::vector<double> first = d, second = d, other = d;
+  const auto a = step(*solver, 2, first);
+  ASSERT_TRUE(solver->rollback());
+  (void)step(*solver, 7, other, 5); // another attempt leaves no trace
+  ASSERT_TRUE(solver->rollback());
+  const auto b = step(*solver, 2, second);
+  EXPECT_EQ(a.at("displacement").values, b.at("displacement").values);
+  EXPECT_EQ(a.at("velocity").values, b.at("velocity").values);
+  EXPECT_NE(first, other);
+}
+
+TEST_F(CoupledRun, CheckpointAndRestoreContinueToTheBit) {
+  auto solver = start();
+  std::vector<double> d(75, 0.0);
+  for (std::uint64_t k = 1; k <= 2; ++k) {
+    (void)step(*solver, k, d);
+    ASSERT_TRUE(solver->commit(true));
+  }
+  ASSERT_TRUE(solver->checkpoint(fs::current_path()));
+  std::vector<double> resumed = d;
+  (void)step(*solver, 3, d);
+
+  auto again = start();
+  ASSERT_TRUE(again->restore(fs::current_path()));
+  (void)step(*again, 3, resumed);
+  EXPECT_EQ(d, resumed);
+  EXPECT_TRUE(fs::exists("run/structure.csv"));
+}
+
+TEST_F(CoupledRun, OneNewtonStepAnIterateConvergesToTheStepsSolution) {
+  auto solver = start();
+  std::vector<double> d(75, 0.0), exact(75, 0.0);
+  (void)step(*solver, 1, d, 12);
+  write("coupled.textproto",
+        std::string(properties) + "interface: \"cloth\" newton { displacement_tolerance: 1e-12 }");
+  auto full = start();
+  (void)step(*full, 1, exact, 1);
+  for (std::size_t i = 0; i < d.size(); ++i) EXPECT_NEAR(d[i], exact[i], 1e-9);
+}
+
+TEST_F(CoupledRun, NeedsAnInterface) {
+  write("coupled.textproto", properties);
+  Coupled solver(load("coupled.textproto"));
+  const auto configured = solver.configure({fs::current_path(), 0, 0.01});
+  ASSERT_FALSE(configured);
+  EXPECT_EQ(configured.error().kind, ErrorKind::config);
+}
+
+} // namespace
+} // namespace drogue::structure
