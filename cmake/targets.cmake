@@ -43,9 +43,10 @@ function(drogue_executable name)
 endfunction()
 
 # drogue_test(NAME LABEL unit SOURCES a_test.cpp ... DEPS drogue::b ... [TIMEOUT seconds])
-# One GoogleTest executable, one CTest entry. LABEL: unit | verification | integration | faults | slow.
+# One GoogleTest executable, one CTest entry. LABEL: one or more of unit verification integration faults slow;
+# scripts/test leaves out slow, scripts/verify runs every verification, slow or not.
 function(drogue_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABEL" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -58,4 +59,15 @@ function(drogue_test name)
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT}
     ENVIRONMENT "OPENBLAS_NUM_THREADS=1;OMP_NUM_THREADS=1;OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_ess_singleton_isolated=1")
+endfunction()
+
+# drogue_benchmark(NAME SOURCES a_bench.cpp DEPS drogue::b ...)
+# One Google Benchmark executable, NAME ending in _bench and starting with its group: common, fluid, structure, mesh,
+# coupler, participants, t10. scripts/bench runs it.
+function(drogue_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE drogue_options ${ARG_DEPS} benchmark::benchmark benchmark::benchmark_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/benchmarks)
 endfunction()

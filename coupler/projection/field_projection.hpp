@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/SparseCore>
+
+#include "common/la_direct/direct_solver.hpp"
+#include "coupler/projection/interface_quadrature.hpp"
+
+namespace drogue::projection {
+
+/// Least-squares projection of displacement and velocity, structure -> fluid [stein2001, eq. 4]:
+///   find d_f:  int_F N_a ( sum_b N_b d_f,b - d_s(pi(X)) ) dA = 0  for all a,    M_f d_f = B d_s,
+/// over the fluid's reference area, pi the closest point in material coordinates. M_f and B use the same
+/// points, so the rows of B add up to those of M_f and constants come through to rounding.
+///
+/// Fluid nodes with the same material coordinates (the two sides of a canopy) share one unknown: the sides
+/// cannot part. When the two surfaces have the same elements on the same material nodes, values are copied.
+///
+/// Cost of one component: 2 nnz(B) + 4 nnz(L) flops; L is CHOLMOD's factor of M_f.
+class FieldProjection {
+ public:
+  /// Errors (ErrorKind::internal): CHOLMOD; (ErrorKind::config): M_f is singular.
+  [[nodiscard]] static Result<FieldProjection> create(const InterfaceQuadrature& quadrature,
+                                                      const Surface& structure, const Surface& fluid);
+
+  /// @param structure {structure nodes, components}  @param fluid {fluid nodes, components}  @pre components
+  /// <= 3
+  [[nodiscard]] Result<void> apply(std::span<const double> structure, std::span<double> fluid,
+                                   int components = 3);
+
+  [[nodiscard]] bool matching() const { return !copy_from_.empty(); }
+
+ private:
+  std::size_t structure_nodes_ = 0;
+  std::vector<std::int32_t> copy_from_; ///< {fluid nodes}: structure node; empty unless matching
+  Merged merged_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor, int> B_;
+  la::CholeskySolver M_;
+  std::vector<double> work_; ///< {components, unknowns}
+};
+
+} // namespace drogue::projection

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/projection/surface.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+
+namespace drogue::projection {
+namespace {
+
+using Cell = std::array<std::int64_t, 3>;
+
+struct CellHash {
+  std::size_t operator()(const Cell& c) const noexcept {
+    std::uint64_t h = 1469598103934665603ULL;
+    for (const std::int64_t i : c)
+      h = (h ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL, h ^= h >> 29;
+    return static_cast<std::size_t>(h);
+  }
+};
+
+Result<void> check_coordinates(const Surface& s, const std::vector<double>& values, const char* what) {
+  if (values.size() != s.points.size())
+    return config_error("the {} surface has {} {} values for {} nodes", s.name, values.size(), what,
+                        s.node_count());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i]))
+      return config_error("the {} surface: {} coordinate {} of node {} is not finite", s.name, what, i % 3,
+                          i / 3);
+  return {};
+}
+
+Result<void> check_connectivity(const Surface& s) {
+  std::vector<char> used(s.node_count(), 0);
+  for (const mesh::ElementBlock& block : s.blocks) {
+    if (mesh::dimension(block.kind) != 2)
+      return config_error(
+          "the {} surface holds {} elements; a surface is made of triangles and quadrilaterals", s.name,
+          mesh::name(block.kind));
+    if (block.nodes.size() % static_cast<std::size_t>(mesh::nodes_per_element(block.kind)) != 0)
+      return config_error("the {} surface: {} indices are no whole number of {} elements", s.name,
+                          block.nodes.size(), mesh::name(block.kind));
+    for (const std::int32_t node : block.nodes) {
+      if (node < 0 || static_cast<std::size_t>(node) >= s.node_count())
+        return config_error("the {} surface: an element names node {} of {}", s.name, node, s.node_count());
+      used[static_cast<std::size_t>(node)] = 1;
+    }
+  }
+  const auto unused = std::find(used.begin(), used.end(), 0);
+  if (unused != used.end())
+    return config_error("the {} surface: node {} belongs to no element", s.name, unused - used.begin());
+  return {};
+}
+
+Result<void> check_areas(const Surface& s, const std::vector<double>& coordinates, const char* what) {
+  const Elements elements(s);
+  const double size = extent(coordinates);
+  for (std::int32_t e = 0; e < elements.count(); ++e)
+    if (!(rough_area(elements.kind(e), gather(elements.nodes(e), coordinates)) > 1e-20 * size * size))
+      return config_error("the {} surface: element {} has no area in {} coordinates", s.name, e, what);
+  return {};
+}
+
+} // namespace
+
+Elements::Elements(const Surface& surface) {
+  for (const mesh::ElementBlock& block : surface.blocks) {
+    for (std::int32_t e = 0; e < block.count(); ++e) {
+      kinds_.push_back(block.kind);
+      const auto nodes = block.element(e);
+      nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+      offsets_.push_back(static_cast<std::int64_t>(nodes_.size()));
+    }
+  }
+}
+
+Result<void> complete(Surface& s) {
+  if (s.reference.empty()) s.reference = s.points;
+  if (s.material.empty()) s.material = s.reference;
+  if (s.points.empty() || s.points.size() % 3 != 0 || Elements(s).count() == 0)
+    return config_error("the {} surface is empty", s.name);
+  DROGUE_TRY(check_coordinates(s, s.points, "position"));
+  DROGUE_TRY(check_coordinates(s, s.reference, "reference"));
+  DROGUE_TRY(check_coordinates(s, s.material, "material"));
+  DROGUE_TRY(check_connectivity(s));
+  DROGUE_TRY(check_areas(s, s.reference, "reference"));
+  return check_areas(s, s.material, "material");
+}
+
+NodeMatrix gather(std::span<const std::int32_t> nodes, std::span<const double> coordinates) noexcept {
+  NodeMatrix X = NodeMatrix::Zero();
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    const double* x = coordinates.data() + 3 * static_cast<std::size_t>(nodes[a]);
+    X.col(static_cast<Eigen::Index>(a)) << x[0], x[1], x[2];
+  }
+  return X;
+}
+
+double rough_area(mesh::ElementKind kind, const NodeMatrix& X) noexcept {
+  const auto centre = fem::parent_centre(kind);
+  const double parent = fem::is_quadrilateral(kind) ? 4.0 : 0.5;
+  return parent * area_vector(fem::surface_shape(kind, centre[0], centre[1]), X).norm();
+}
+
+double extent(std::span<const double> coordinates) noexcept {
+  double square = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    double low = coordinates[k], high = coordinates[k];
+    for (std::size_t i = k; i < coordinates.size(); i += 3) {
+      low = std::min(low, coordinates[i]);
+      high = std::max(high, coordinates[i]);
+    }
+    square += (high - low) * (high - low);
+  }
+  return std::sqrt(square);
+}
+
+Merged merge_coincident(std::span<const double> x, double tolerance) {
+  Merged merged;
+  std::unordered_map<Cell, std::vector<std::size_t>, CellHash> cells;
+  const double width = 2 * tolerance;
+  const auto near = [&](std::size_t i, std::size_t j) {
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      square += (x[3 * i + k] - x[3 * j + k]) * (x[3 * i + k] - x[3 * j + k]);
+    return square <= tolerance * tolerance;
+  };
+  const auto find = [&](std::size_t i, const Cell& cell) -> std::int32_t {
+    for (std::int64_t n = 0; n < 27; ++n) {
+      const auto found = cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
+      if (found == cells.end()) continue;
+      for (const std::size_t j : found->second)
+        if (near(i, j)) return merged.group[j];
+    }
+    return -1;
+  };
+  for (std::size_t i = 0; i < x.size() / 3; ++i) {
+    Cell cell;
+    for (std::size_t k = 0; k < 3; ++k) cell[k] = static_cast<std::int64_t>(std::floor(x[3 * i + k] / width));
+    const std::int32_t group = find(i, cell);
+    merged.group.push_back(group >= 0 ? group : merged.count++);
+    if (group < 0) cells[cell].push_back(i);
+  }
+  return merged;
+}
+
+} // namespace drogue::projection

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/projection/surface_integrals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/fem/quadrature.hpp"
+
+namespace drogue::projection {
+namespace {
+
+constexpr int degree = 4;
+
+} // namespace
+
+ElementMass element_mass(mesh::ElementKind kind, const NodeMatrix& X) {
+  ElementMass mass;
+  mass.M.setZero();
+  for (const fem::SurfacePoint& q : fem::surface_quadrature(kind, degree)) {
+    const auto shape = fem::surface_shape(kind, q.xi, q.eta);
+    const double da = q.weight * area_vector(shape, X).norm();
+    mass.area += da;
+    for (int a = 0; a < shape.nodes; ++a)
+      for (int b = 0; b < shape.nodes; ++b)
+        mass.M(a, b) += da * shape.N[static_cast<std::size_t>(a)] * shape.N[static_cast<std::size_t>(b)];
+  }
+  return mass;
+}
+
+SurfaceIntegrals::SurfaceIntegrals(const Surface& surface)
+    : integral_(surface.node_count(), 0.0), lumped_(surface.node_count(), 0.0) {
+  const Elements elements(surface);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::int32_t e = 0; e < elements.count(); ++e) {
+    const auto nodes = elements.nodes(e);
+    const ElementMass mass = element_mass(elements.kind(e), gather(nodes, surface.reference));
+    area_ += mass.area;
+    const double trace = mass.M.trace();
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      const auto i = static_cast<std::size_t>(nodes[a]);
+      const auto row = static_cast<Eigen::Index>(a);
+      lumped_[i] += mass.area * mass.M(row, row) / trace;
+      for (std::size_t b = 0; b < nodes.size(); ++b) {
+        const double m = mass.M(row, static_cast<Eigen::Index>(b));
+        integral_[i] += m;
+        entries.emplace_back(nodes[a], nodes[b], m);
+      }
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(surface.node_count());
+  M_.resize(n, n);
+  M_.setFromTriplets(entries.begin(), entries.end());
+}
+
+double SurfaceIntegrals::norm(std::span<const double> v, int components) const noexcept {
+  const auto c = static_cast<std::size_t>(components);
+  double sum = 0;
+  const int* first = M_.outerIndexPtr();
+  for (std::size_t i = 0; i < integral_.size(); ++i) {
+    for (int k = first[i]; k < first[i + 1]; ++k) {
+      const double* vj = v.data() + static_cast<std::size_t>(M_.innerIndexPtr()[k]) * c;
+      double product = 0;
+      for (std::size_t j = 0; j < c; ++j) product += v[i * c + j] * vj[j];
+      sum += M_.valuePtr()[k] * product;
+    }
+  }
+  return std::sqrt(std::max(sum, 0.0) / area_);
+}
+
+void SurfaceIntegrals::mean(std::span<const double> v, int components,
+                            std::span<double> result) const noexcept {
+  const auto c = static_cast<std::size_t>(components);
+  std::fill(result.begin(), result.end(), 0.0);
+  for (std::size_t i = 0; i < integral_.size(); ++i)
+    for (std::size_t j = 0; j < c; ++j) result[j] += integral_[i] * v[i * c + j] / area_;
+}
+
+} // namespace drogue::projection
