@@ -130,8 +130,7 @@ Result<participant::IterationReport> Coupled::iterate(const participant::Fields&
 
 Result<void> Coupled::commit(bool write_output) {
   integrator_.commit();
-  if (!write_output) return {};
-  return results_->step(integrator_.committed(), integrator_.balance(), step_iterations_);
+  return results_->step({integrator_.committed(), integrator_.balance(), step_iterations_, write_output});
 }
 
 Result<void> Coupled::rollback() {

@@ -37,20 +37,21 @@ Result<void> Results::open(std::uint64_t first_step) {
   return {};
 }
 
-Result<void> Results::step(const State& state, const Balance& balance, int iterations) {
-  if (!open_) DROGUE_TRY(open(state.step));
-  if (state.step % static_cast<std::uint64_t>(settings_.series_interval) == 0)
-    row(state, balance, iterations);
-  if (settings_.field_interval == 0 || state.step % static_cast<std::uint64_t>(settings_.field_interval) != 0)
-    return {};
-  return fields(state);
+Result<void> Results::step(const Step& step) {
+  const std::uint64_t k = step.state.step;
+  if (!open_) DROGUE_TRY(open(k));
+  if (k % static_cast<std::uint64_t>(settings_.series_interval) == 0) row(step);
+  if (!step.may_write_fields || settings_.field_interval == 0) return {};
+  return k % static_cast<std::uint64_t>(settings_.field_interval) == 0 ? fields(step.state) : Result<void>();
 }
 
-void Results::row(const State& state, const Balance& balance, int iterations) {
+void Results::row(const Step& step) {
+  const State& state = step.state;
+  const Balance& balance = step.balance;
   const StressFields stress = stress_fields(model_, state.u);
   std::vector<double> values = {state.time,
                                 static_cast<double>(state.step),
-                                static_cast<double>(iterations),
+                                static_cast<double>(step.newton_iterations),
                                 balance.kinetic_energy,
                                 balance.strain_energy,
                                 balance.unbalance,

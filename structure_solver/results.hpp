@@ -27,14 +27,22 @@ class Results {
  public:
   Results(const Settings& settings, const Model& model, std::filesystem::path directory);
 
-  /// Writes what the intervals ask for at this step. @param iterations Newton iterations of the step
-  [[nodiscard]] Result<void> step(const State& state, const Balance& balance, int iterations);
+  /// A committed step, for the output.
+  struct Step {
+    const State& state;
+    const Balance& balance;
+    int newton_iterations = 0;
+    /// False leaves out the fields whatever their interval says.
+    bool may_write_fields = true;
+  };
+  /// Writes what the intervals ask for at this step.
+  [[nodiscard]] Result<void> step(const Step& step);
   /// Writes the fields of `state` unless that was done already or field_interval is 0.
   [[nodiscard]] Result<void> fields(const State& state);
 
  private:
   [[nodiscard]] Result<void> open(std::uint64_t first_step);
-  void row(const State& state, const Balance& balance, int iterations);
+  void row(const Step& step);
   [[nodiscard]] std::vector<std::string> series_columns() const;
 
   const OutputSettings settings_;

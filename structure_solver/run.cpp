@@ -109,7 +109,7 @@ class Run {
     unbalance_ = balance.unbalance;
     const State& state = integrator_.committed();
     progress_.show({state.step, last_step, state.time, outcome.iterations, unbalance_});
-    return results_.step(state, balance, outcome.iterations);
+    return results_.step({state, balance, outcome.iterations});
   }
 
   [[nodiscard]] Error stopped() const {
