@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "parachute_mesher/fluid_mesh.hpp"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 

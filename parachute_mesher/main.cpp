@@ -20,6 +20,8 @@ int main(int argc, char** argv) {
     sub->callback([&command, function] { command = function; });
   };
   add("structure", "write the flat structure mesh of a config", parachute::write_structure_mesh, "FILE");
+  add("fluid", "write the fluid mesh around the inflated canopy", parachute::write_fluid_mesh, "FILE");
+  add("info", "describe a mesh and its quality", parachute::print_info, "MESH");
   add("check", "validate a config", parachute::check_config, "FILE");
   try {
     app.parse(argc, argv);

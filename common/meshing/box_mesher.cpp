@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <exception>
-#include <numeric>
+#include <optional>
 #include <set>
+#include <thread>
+#include <utility>
 
 #include <gmsh.h>
+
+#include "common/mesh/gmsh_session.hpp"
 
 namespace drogue::meshing {
 namespace {
@@ -19,28 +23,16 @@ constexpr int line_type = 1;
 constexpr int tet_type = 4;
 constexpr int membrane_tag = 1000; ///< of the embedded discrete surface; its free edges follow
 
-/// Gmsh between initialize and finalize, with a log that is kept.
-class Session {
+/// Sizes from a function while this lives.
+class SizeCallback {
  public:
-  Session() {
-    gmsh::initialize(0, nullptr, false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("General.NumThreads", 1);
-    gmsh::logger::start();
+  explicit SizeCallback(const SizeFunction& size) {
+    api::setSizeCallback([&size](int, int, double x, double y, double z) { return size(Point(x, y, z)); });
   }
-  ~Session() { gmsh::finalize(); }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
+  ~SizeCallback() { api::removeSizeCallback(); }
+  SizeCallback(const SizeCallback&) = delete;
+  SizeCallback& operator=(const SizeCallback&) = delete;
 };
-
-/// Gmsh's last error or warning.
-std::string last_complaint() {
-  std::vector<std::string> log;
-  gmsh::logger::get(log);
-  for (auto line = log.rbegin(); line != log.rend(); ++line)
-    if (line->rfind("Error", 0) == 0 || line->rfind("Warning", 0) == 0) return *line;
-  return "no message";
-}
 
 std::vector<std::size_t> tags(const std::int32_t* begin, const std::int32_t* end) {
   std::vector<std::size_t> result;
@@ -118,7 +110,8 @@ BoxEntities add_box(const Box& box) {
 }
 
 void generate(const SizeFunction& size) {
-  api::setSizeCallback([&](int, int, double x, double y, double z) { return size(Point(x, y, z)); });
+  const SizeCallback callback(size);
+  gmsh::option::setNumber("General.NumThreads", 1);
   gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
   gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
   gmsh::option::setNumber("Mesh.Renumber", 0);
@@ -187,28 +180,39 @@ bool kept(const TetMesh& m, const std::vector<Point>& points, const std::vector<
          m.interior == surface;
 }
 
-} // namespace
-
-Result<TetMesh> mesh_box(const Box& box, const std::vector<Point>& points,
-                         const std::vector<Triangle>& surface, const SizeFunction& size) {
-  if (!inside(box, points)) return numerical_error("the embedded surface is not inside the box");
-  const Session session;
+Result<TetMesh> mesh_with_gmsh(const Box& box, const std::vector<Point>& points,
+                               const std::vector<Triangle>& surface, const SizeFunction& size) {
   try {
-    gmsh::model::add("box");
+    const mesh::GmshSession session;
     add_membrane(points, surface);
     const BoxEntities entities = add_box(box);
     api::embed(2, {membrane_tag}, 3, entities.volume);
     generate(size);
     TetMesh m = collect(entities);
-    if (m.tets.empty()) return numerical_error("Gmsh made no tetrahedra ({})", last_complaint());
+    if (m.tets.empty())
+      return numerical_error("Gmsh made no tetrahedra ({})", mesh::gmsh_reason("no reason given"));
     if (!kept(m, points, surface))
-      return numerical_error("Gmsh changed the embedded surface ({})", last_complaint());
+      return numerical_error("Gmsh changed the embedded surface ({})", mesh::gmsh_reason("no reason given"));
     return m;
   } catch (const std::exception& e) {
-    return numerical_error("Gmsh cannot mesh the volume: {} ({})", e.what(), last_complaint());
+    return numerical_error("Gmsh cannot mesh the volume: {} ({})", e.what(),
+                           mesh::gmsh_reason("no reason given"));
   } catch (...) {
-    return numerical_error("Gmsh cannot mesh the volume ({})", last_complaint());
+    return numerical_error("Gmsh cannot mesh the volume ({})", mesh::gmsh_reason("no reason given"));
   }
+}
+
+} // namespace
+
+Result<TetMesh> mesh_box(const Box& box, const std::vector<Point>& points,
+                         const std::vector<Triangle>& surface, const SizeFunction& size) {
+  if (!inside(box, points)) return numerical_error("the embedded surface is not inside the box");
+  // Gmsh hands nodes to HXT in the order of their addresses. A thread of its own allocates from an arena of
+  // its own, so that what the process did before (lengths of file names, say) does not change the mesh.
+  std::optional<Result<TetMesh>> result;
+  std::thread worker([&] { result = mesh_with_gmsh(box, points, surface, size); });
+  worker.join();
+  return std::move(*result);
 }
 
 } // namespace drogue::meshing

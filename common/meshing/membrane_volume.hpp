@@ -17,7 +17,8 @@ struct MembraneVolume {
 };
 
 /// The volume of a box around an open membrane: meshed, repaired, cut open along the membrane and checked
-/// (check_volume, check_two_sided). The first nodes of the mesh are `points`. Deterministic.
+/// (check_volume, check_two_sided). The first nodes of the mesh are `points`. As to repeated calls see
+/// mesh_box.
 ///
 /// Errors (ErrorKind::numerical): as mesh_box, double_nodes and the checks: a mesh that fails one is never
 /// returned.

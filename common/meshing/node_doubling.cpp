@@ -121,6 +121,7 @@ Result<void> Cut::check_sides() {
 Result<DoublingSummary> Cut::renumber() {
   const NodeTets node_tets(m_.points.size(), m_.tets);
   std::vector<Tet> tets = m_.tets;
+  std::vector<bool> doubled(on_surface_.size(), false);
   DoublingSummary summary;
   for (Index i = 0; i < on_surface_.size(); ++i) summary.origin.push_back(static_cast<std::int32_t>(i));
   for (Index i = 0; i < on_surface_.size(); ++i) {
@@ -143,6 +144,7 @@ Result<DoublingSummary> Cut::renumber() {
                              "{:.6g}) instead of an upper and a lower one",
                              distinct.size(), m_.points[i].x(), m_.points[i].y(), m_.points[i].z());
     ++summary.doubled_nodes;
+    doubled[i] = true;
     const auto copy = static_cast<std::int32_t>(m_.points.size());
     m_.points.push_back(Point(m_.points[i]));
     summary.origin.push_back(node);
@@ -152,6 +154,14 @@ Result<DoublingSummary> Cut::renumber() {
         tets[static_cast<Index>(e)][static_cast<Index>(corner(tet(e), node))] = copy;
     }
   }
+  const auto uncut = std::count_if(m_.interior.begin(), m_.interior.end(), [&](const Triangle& t) {
+    return std::none_of(t.begin(), t.end(), [&](auto node) { return doubled[static_cast<Index>(node)]; });
+  });
+  if (uncut > 0)
+    return numerical_error(
+        "{} triangles of the interior surface have all their nodes on its free edges and cannot "
+        "be cut open",
+        uncut);
   m_.tets = std::move(tets);
   return summary;
 }

@@ -33,6 +33,14 @@ mesh::ElementBlock block_of(const NamedSurface& surface) {
   return block;
 }
 
+template <class Element>
+void append(const mesh::ElementBlock& block, std::vector<Element>& elements) {
+  for (std::int32_t e = 0; e < block.count(); ++e) {
+    const auto nodes = block.element(e);
+    std::copy(nodes.begin(), nodes.end(), elements.emplace_back().begin());
+  }
+}
+
 } // namespace
 
 Triangle sorted(Triangle t) {
@@ -96,6 +104,18 @@ mesh::Mesh to_mesh(const TetMesh& m, const std::string& volume_group) {
   mesh::ElementBlock volume{volume_group, mesh::ElementKind::tet4, {}};
   for (const Tet& tet : m.tets) volume.nodes.insert(volume.nodes.end(), tet.begin(), tet.end());
   result.blocks.push_back(std::move(volume));
+  return result;
+}
+
+TetMesh from_mesh(const mesh::Mesh& m) {
+  TetMesh result;
+  for (std::size_t i = 0; i < m.points.size(); i += 3)
+    result.points.emplace_back(m.points[i], m.points[i + 1], m.points[i + 2]);
+  for (const mesh::ElementBlock& block : m.blocks) {
+    if (block.kind == mesh::ElementKind::tet4) append(block, result.tets);
+    if (block.kind == mesh::ElementKind::tri3)
+      append(block, result.boundaries.emplace_back(NamedSurface{block.group, {}}).triangles);
+  }
   return result;
 }
 

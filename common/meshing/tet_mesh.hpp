@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -87,5 +88,9 @@ void orient(TetMesh& m);
 
 /// As a Mesh: tets in the group `volume_group`, boundaries in the groups of their names.
 [[nodiscard]] mesh::Mesh to_mesh(const TetMesh& m, const std::string& volume_group);
+
+/// The four-node tetrahedra of a Mesh, and its three-node triangles as boundaries by the names of their
+/// groups.
+[[nodiscard]] TetMesh from_mesh(const mesh::Mesh& m);
 
 } // namespace drogue::meshing

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "parachute_mesher/commands.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "common/io/state_file.hpp"
+#include "common/mesh/msh.hpp"
+#include "parachute_mesher/settings.hpp"
+#include "tests/parachute_mesher/inflated_shape.hpp"
+
+namespace drogue::parachute {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contents(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+/// A folder with the quick case's config, removed afterwards.
+class Commands : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / fmt::format("parachute_mesher_test_{}", ::getpid());
+    fs::create_directories(folder_);
+    fs::copy_file(fs::path(DROGUE_SOURCE_DIR) / "configs/t10/quick/parachute.textproto", config());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] fs::path config() const { return folder_ / "parachute.textproto"; }
+  void replace(const std::string& from, const std::string& to) const {
+    std::string text = contents(config());
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    std::ofstream(config(), std::ios::trunc) << text.replace(at, from.size(), to);
+  }
+  /// Writes the structure mesh and an inflated state of it.
+  void prepare_structure() const {
+    const Result<void> written = write_structure_mesh(config());
+    ASSERT_TRUE(written.ok()) << written.error().message;
+    const Result<mesh::Mesh> m = mesh::read_msh(folder_ / "structure.msh");
+    ASSERT_TRUE(m.ok()) << m.error().message;
+    const Result<Settings> settings = load_settings(config());
+    ASSERT_TRUE(settings.ok());
+    io::State state{.kind = "structure", .mesh_hash = mesh::hash(*m), .time = 0, .step = 0, .arrays = {}};
+    state.add("displacement", {static_cast<std::uint64_t>(m->node_count()), 3},
+              inflated_displacement(settings->canopy, *m));
+    ASSERT_TRUE(io::write_state(folder_ / "inflated.state", state).ok());
+  }
+  [[nodiscard]] int run(const std::string& arguments) const {
+    const std::string command = fmt::format("cd {} && {}/parachute_mesher {} > out.txt 2> err.txt",
+                                            folder_.string(), DROGUE_BIN_DIR, arguments);
+    return WEXITSTATUS(std::system(command.c_str()));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Commands, MakeTheQuickFluidMeshTheSameEveryTime) {
+  prepare_structure();
+  ASSERT_EQ(run("fluid parachute.textproto"), 0) << contents(folder_ / "err.txt");
+  const std::string first = contents(folder_ / "fluid.msh");
+  ASSERT_EQ(run("fluid ./../" + folder_.filename().string() + "/parachute.textproto"), 0);
+  EXPECT_TRUE(first == contents(folder_ / "fluid.msh"));
+
+  const Result<mesh::Mesh> m = mesh::read_msh(folder_ / "fluid.msh");
+  ASSERT_TRUE(m.ok()) << m.error().message;
+  EXPECT_GE(m->node_count(), 10000);
+  EXPECT_LE(m->node_count(), 13500);
+  for (const char* group : {"inflow", "outflow", "side", "canopy_upper", "canopy_lower", "fluid"})
+    EXPECT_TRUE(m->has_group(group)) << group;
+  EXPECT_EQ(m->nodes_of("canopy_upper").size(), m->nodes_of("canopy_lower").size());
+
+  ASSERT_EQ(run("info fluid.msh"), 0);
+  const std::string text = contents(folder_ / "out.txt");
+  EXPECT_NE(text.find("conforming, every boundary face named"), std::string::npos) << text;
+  EXPECT_NE(text.find("2 free edges, both sides together closed"), std::string::npos) << text;
+}
+
+TEST_F(Commands, CheckAcceptsTheQuickConfigBeforeAnyMeshExists) {
+  EXPECT_EQ(run("check parachute.textproto"), 0);
+  EXPECT_EQ(contents(folder_ / "out.txt"), "parachute.textproto: ok\n");
+}
+
+TEST_F(Commands, CheckReportsEveryError) {
+  replace("across_seam: 2", "across_seam: 3");
+  replace("line_length: 29.4", "line_length: 12");
+  replace("largest_size: 32", "largest_size: 1");
+  replace("skirt_rows: 3", "skirt_rows: 0");
+  EXPECT_EQ(run("check parachute.textproto"), 2);
+  const std::string text = contents(folder_ / "err.txt");
+  for (const char* part :
+       {"parachute.textproto:12:", "does not reach the axis", "same number of elements across",
+        "largest_size 1 is below canopy_size", "skirt_rows is 0"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+}
+
+TEST_F(Commands, FluidNeedsTheStructureFirst) {
+  EXPECT_EQ(run("fluid parachute.textproto"), 2);
+  EXPECT_NE(contents(folder_ / "err.txt").find("structure.msh"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "fluid.msh"));
+}
+
+TEST_F(Commands, FluidRefusesTheStateOfAnotherMesh) {
+  prepare_structure();
+  replace("line_elements: 10", "line_elements: 9");
+  ASSERT_EQ(run("structure parachute.textproto"), 0);
+  EXPECT_EQ(run("fluid parachute.textproto"), 2);
+  EXPECT_NE(contents(folder_ / "err.txt").find("another mesh"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "fluid.msh"));
+}
+
+TEST_F(Commands, CommandLineErrorsExitWithTwo) {
+  EXPECT_EQ(run("fluid"), 2);
+  EXPECT_EQ(run("melt parachute.textproto"), 2);
+  EXPECT_EQ(run("structure missing.textproto"), 2);
+  EXPECT_EQ(run("--help"), 0);
+}
+
+} // namespace
+} // namespace drogue::parachute
