@@ -14,6 +14,7 @@ namespace drogue::la {
 struct CholeskySolver::State {
   cholmod_common common{};
   cholmod_factor* factor = nullptr;
+  cholmod_dense *solution = nullptr, *work1 = nullptr, *work2 = nullptr; // kept: solves allocate once
   int n = 0;
 
   State() {
@@ -34,6 +35,7 @@ struct CholeskySolver::State {
   State& operator=(const State&) = delete;
   void clear() {
     if (factor) cholmod_free_factor(&factor, &common);
+    for (cholmod_dense** dense : {&solution, &work1, &work2}) cholmod_free_dense(dense, &common);
   }
 };
 
@@ -96,10 +98,10 @@ Result<void> CholeskySolver::solve(std::span<const double> b, std::span<double> 
   rhs.x = const_cast<double*>(b.data());
   rhs.xtype = CHOLMOD_REAL;
   rhs.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, s.factor, &rhs, &s.common);
-  if (!solution) return internal_error("CHOLMOD cannot solve (status {})", s.common.status);
-  std::memcpy(x.data(), solution->x, x.size_bytes());
-  cholmod_free_dense(&solution, &s.common);
+  if (!cholmod_solve2(CHOLMOD_A, s.factor, &rhs, nullptr, &s.solution, nullptr, &s.work1, &s.work2,
+                      &s.common))
+    return internal_error("CHOLMOD cannot solve (status {})", s.common.status);
+  std::memcpy(x.data(), s.solution->x, x.size_bytes());
   return {};
 }
 

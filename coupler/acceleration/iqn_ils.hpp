@@ -8,7 +8,7 @@
 
 namespace drogue::acceleration {
 
-/// Interface quasi-Newton with an inverse Jacobian from a least-squares model [degroote2009, eqs. 23-31].
+/// Interface quasi-Newton with an inverse Jacobian from a least-squares model [degroote2009].
 ///
 /// Columns, newest first:  dr_j = r_j - r_{j-1},  dh_j = h_j - h_{j-1},  within one step; those of the last
 /// `reuse_steps` steps are kept.

@@ -22,7 +22,7 @@ class ConstantRelaxation final : public Accelerator {
 };
 
 /// x_next = x + omega_k r_k,  r = H(x) - x,  omega_k = -omega_{k-1} <r_{k-1}, r_k - r_{k-1}> / |r_k -
-/// r_{k-1}|^2 [irons1969; kuettler2008, eq. 44]. The first omega of a step is the last one of the step
+/// r_{k-1}|^2 [irons1969; kuettler2008]. The first omega of a step is the last one of the step
 /// before, between half of the setting `relaxation` and `max_relaxation` (the setting itself after a step
 /// that did not converge). When two residuals are equal to rounding, omega stays.
 class AitkenRelaxation final : public Accelerator {

@@ -35,7 +35,6 @@ double distance2(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p
 }
 
 Parent start(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) {
-  if (kind == ElementKind::tri3) return {1.0 / 3, 1.0 / 3};
   int nearest = 0;
   for (int a = 1; a < mesh::nodes_per_element(kind); ++a)
     if ((X.col(a) - p).squaredNorm() < (X.col(nearest) - p).squaredNorm()) nearest = a;
@@ -55,7 +54,6 @@ bool find_foot(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p, 
     if (!(det > 1e-24 * gg * hh)) return false;
     const double d0 = (hh * g.dot(r) - gh * h.dot(r)) / det, d1 = (gg * h.dot(r) - gh * g.dot(r)) / det;
     s = {s[0] + d0, s[1] + d1};
-    if (kind == ElementKind::tri3) return true;
     if (std::abs(d0) + std::abs(d1) < step_tolerance) return true;
     if (std::abs(s[0]) > 3 || std::abs(s[1]) > 3) return false;
   }
@@ -82,9 +80,29 @@ Parent on_edge(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p, 
   return {a[0] + t * d[0], a[1] + t * d[1]};
 }
 
+/// Closed form: foot on the plane, else the nearest of the three edges.
+ClosestPoint on_triangle(const NodeMatrix& X, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d a = X.col(0), g = X.col(1) - a, h = X.col(2) - a, r = p - a;
+  const double gg = g.dot(g), gh = g.dot(h), hh = h.dot(h), rg = r.dot(g), rh = r.dot(h);
+  const double det = gg * hh - gh * gh;
+  const auto at = [&](double xi, double eta, bool inside) {
+    return ClosestPoint{xi, eta, (r - xi * g - eta * h).squaredNorm(), inside};
+  };
+  if (det > 1e-24 * gg * hh) {
+    const Parent s{(hh * rg - gh * rh) / det, (gg * rh - gh * rg) / det};
+    if (is_inside(ElementKind::tri3, s)) return at(s[0], s[1], true);
+  }
+  const double t = std::clamp((rh - rg + gg - gh) / (gg - 2 * gh + hh), 0.0, 1.0);
+  ClosestPoint best = at(std::clamp(rg / gg, 0.0, 1.0), 0, false);
+  for (const ClosestPoint& c : {at(1 - t, t, false), at(0, std::clamp(rh / hh, 0.0, 1.0), false)})
+    if (c.distance2 < best.distance2) best = c;
+  return best;
+}
+
 } // namespace
 
 ClosestPoint closest_point(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) noexcept {
+  if (kind == ElementKind::tri3) return on_triangle(X, p);
   Parent s{};
   if (find_foot(kind, X, p, s) && is_inside(kind, s)) return {s[0], s[1], distance2(kind, X, p, s), true};
   const int corners = fem::is_quadrilateral(kind) ? 4 : 3;

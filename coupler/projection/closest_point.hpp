@@ -13,7 +13,7 @@ struct ClosestPoint {
 };
 
 /// Closest point of an element to p: Gauss-Newton on |x(xi, eta) - p|^2 from the nearest node, and along each
-/// edge when that leaves the element. Exact in one step on linear triangles. X: the nodes' coordinates.
+/// edge when that leaves the element; closed form on linear triangles. X: the nodes' coordinates.
 [[nodiscard]] ClosestPoint closest_point(mesh::ElementKind kind, const NodeMatrix& X,
                                          const Eigen::Vector3d& p) noexcept;
 

@@ -6,16 +6,18 @@
 namespace drogue::projection {
 namespace {
 
-constexpr int max_refinement = 4;
+constexpr int max_refinements = 2;
 
 /// How the fluid covers the structure's elements.
 struct Coverage {
-  double dry_area = 0;  ///< share of the area
-  bool too_few = false; ///< a wet element has fewer points than nodes
+  double dry_area = 0;       ///< share of the area
+  bool too_few = false;      ///< a wet element has fewer points than nodes
+  std::vector<char> starved; ///< {structure nodes}: 1 on such elements
 };
 
 Coverage coverage(const InterfaceQuadrature& quadrature, const Surface& structure) {
   Coverage result;
+  result.starved.assign(structure.node_count(), 0);
   double dry = 0, total = 0;
   const Elements elements(structure);
   for (std::int32_t e = 0; e < elements.count(); ++e) {
@@ -23,23 +25,39 @@ Coverage coverage(const InterfaceQuadrature& quadrature, const Surface& structur
     const double area = element_mass(elements.kind(e), gather(nodes, structure.reference)).area;
     const auto i = static_cast<std::size_t>(e);
     total += area;
-    if (quadrature.area_on()[i] < dry_share * area)
-      dry += area;
-    else if (static_cast<std::size_t>(quadrature.points_on()[i]) < nodes.size())
-      result.too_few = true;
+    if (quadrature.area_on()[i] < dry_share * area) dry += area;
+    if (static_cast<std::size_t>(quadrature.points_on()[i]) >= nodes.size()) continue;
+    if (quadrature.points_on()[i] == 0) continue;
+    result.too_few = true;
+    for (const std::int32_t node : nodes) result.starved[static_cast<std::size_t>(node)] = 1;
   }
   result.dry_area = dry / total;
   return result;
 }
 
+/// Doubles the subdivisions of the fluid elements around starved structure elements.
+void refine_around(const Coverage& covered, const InterfaceQuadrature& quadrature, std::vector<int>& refine) {
+  for (std::size_t e = 0; e < refine.size(); ++e) {
+    const auto& element = quadrature.elements()[e];
+    const auto points = static_cast<std::int64_t>(quadrature.rule(element).weights.size());
+    bool near = false;
+    for (std::int64_t q = 0; q < points && !near; ++q)
+      for (const std::int32_t node : quadrature.structure_nodes(element.first_point + q))
+        near = near || covered.starved[static_cast<std::size_t>(node)] == 1;
+    if (near) refine[e] *= 2;
+  }
+}
+
 Result<InterfaceQuadrature> fine_enough(const Surface& structure, const Surface& fluid,
                                         const Settings& settings) {
-  for (int refine = 1;; refine *= 2) {
+  std::vector<int> refine(static_cast<std::size_t>(Elements(fluid).count()), 1);
+  for (int round = 0;; ++round) {
     auto quadrature = InterfaceQuadrature::create(structure, fluid, settings, refine);
     if (!quadrature) return quadrature;
     const Coverage covered = coverage(*quadrature, structure);
     quadrature->report().dry_area = covered.dry_area;
-    if (!covered.too_few || refine >= max_refinement) return quadrature;
+    if (!covered.too_few || round == max_refinements) return quadrature;
+    refine_around(covered, *quadrature, refine);
   }
 }
 

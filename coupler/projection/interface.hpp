@@ -16,7 +16,7 @@ struct Interface {
 };
 
 /// Completes and checks both surfaces, locates the points, and factors both mass matrices.
-/// Where the fluid's points are too few for the structure's elements, they are refined up to fourfold.
+/// Where the fluid's points are too few for the structure's elements, they are refined there, up to fourfold.
 /// Errors (ErrorKind::config): see complete(), InterfaceQuadrature::create(), FieldProjection, LoadTransfer.
 [[nodiscard]] Result<Interface> make_interface(Surface structure, Surface fluid, const Settings& settings);
 

@@ -96,7 +96,7 @@ std::int32_t InterfaceQuadrature::find_rule(ElementKind kind, int subdivisions, 
 }
 
 void InterfaceQuadrature::choose_rules(const Surface& structure, const Surface& fluid,
-                                       const Settings& settings, int refine) {
+                                       const Settings& settings, std::span<const int> refine) {
   const SurfaceTree structure_tree(*structure_elements_, structure.material);
   const SurfaceTree fluid_tree(*fluid_elements_, fluid.material);
   const double tolerance = same_place * extent(structure.material);
@@ -118,7 +118,8 @@ void InterfaceQuadrature::choose_rules(const Surface& structure, const Surface& 
                                         gather(structure_elements_->nodes(hint), structure.material));
     const int wanted =
         static_cast<int>(std::min(std::round(longest_edge(kind, X) / spacing), 1.0 * max_subdivisions));
-    const int n = std::min(refine * std::max(wanted, 1), max_subdivisions);
+    const int n = std::min((refine.empty() ? 1 : refine[static_cast<std::size_t>(e)]) * std::max(wanted, 1),
+                           max_subdivisions);
     const int layers = std::max(fluid_tree.layers(inside, tolerance), 1);
     report_.fluid_sides = std::max(report_.fluid_sides, layers);
     elements_.push_back(
@@ -178,7 +179,8 @@ void InterfaceQuadrature::locate(const Surface& structure, const Surface& fluid,
 }
 
 Result<InterfaceQuadrature> InterfaceQuadrature::create(const Surface& structure, const Surface& fluid,
-                                                        const Settings& settings, int refine) {
+                                                        const Settings& settings,
+                                                        std::span<const int> refine) {
   InterfaceQuadrature made;
   made.structure_elements_ = std::make_shared<Elements>(structure);
   made.fluid_elements_ = std::make_shared<Elements>(fluid);

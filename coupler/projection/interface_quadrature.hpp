@@ -48,11 +48,13 @@ class InterfaceQuadrature {
     double share = 1; ///< one over the number of fluid layers here
   };
 
-  /// @pre complete() accepted both surfaces  @param refine factor on the number of subdivisions
+  /// @pre complete() accepted both surfaces
+  /// @param refine {fluid elements} or empty: factor on the number of subdivisions
   /// Errors (ErrorKind::config): the surfaces lie too far from one another; says how many points, how far and
   /// where.
   [[nodiscard]] static Result<InterfaceQuadrature> create(const Surface& structure, const Surface& fluid,
-                                                          const Settings& settings, int refine = 1);
+                                                          const Settings& settings,
+                                                          std::span<const int> refine = {});
 
   [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
   [[nodiscard]] const Rule& rule(const Element& e) const { return rules_[static_cast<std::size_t>(e.rule)]; }
@@ -74,7 +76,8 @@ class InterfaceQuadrature {
     return static_cast<std::size_t>(offsets_[static_cast<std::size_t>(point)]);
   }
   [[nodiscard]] std::int32_t find_rule(mesh::ElementKind kind, int subdivisions, int order);
-  void choose_rules(const Surface& structure, const Surface& fluid, const Settings& settings, int refine);
+  void choose_rules(const Surface& structure, const Surface& fluid, const Settings& settings,
+                    std::span<const int> refine);
   void locate(const Surface& structure, const Surface& fluid, const Settings& settings);
 
   std::shared_ptr<const Elements> fluid_elements_, structure_elements_;

@@ -62,22 +62,26 @@ Result<void> LoadTransfer::factor_recovery(const Surface& structure, const Surfa
   return {};
 }
 
-/// @param force_at (element nodes, shape, area vector times weight) -> force on the point's share of the
-/// surface
-template <class ForceAt>
+/// @param load_on element's nodes -> (shape, area vector times weight -> force on the point's share of the
+/// surface)
+template <class LoadOn>
 LoadSums LoadTransfer::transfer(const FluidSide& fluid, std::span<double> forces,
-                                const ForceAt& force_at) const noexcept {
+                                const LoadOn& load_on) const noexcept {
   assert(forces.size() == 3 * structure_nodes_);
   std::fill(forces.begin(), forces.end(), 0.0);
+  const bool moving = !fluid.velocity.empty();
   LoadSums sums;
   for (const auto& element : quadrature_.elements()) {
     const auto& rule = quadrature_.rule(element);
     const NodeMatrix X = gather(element.nodes, fluid.points);
-    const bool moving = !fluid.velocity.empty();
     const NodeMatrix V = moving ? gather(element.nodes, fluid.velocity) : NodeMatrix::Zero();
+    const auto force_at = load_on(element.nodes);
+    const bool flat = rule.kind == mesh::ElementKind::tri3;
+    Vector3d area = area_vector(rule.shapes[0], X);
     for (std::size_t q = 0; q < rule.weights.size(); ++q) {
       const fem::SurfaceShape& shape = rule.shapes[q];
-      const Vector3d f = force_at(element.nodes, shape, rule.weights[q] * area_vector(shape, X));
+      if (!flat) area = area_vector(shape, X);
+      const Vector3d f = force_at(shape, rule.weights[q] * area);
       sums.force += f;
       sums.moment += combine(shape.N, shape.nodes, X).cross(f);
       if (moving) sums.power += f.dot(combine(shape.N, shape.nodes, V));
@@ -95,24 +99,24 @@ LoadSums LoadTransfer::transfer(const FluidSide& fluid, std::span<double> forces
 
 LoadSums LoadTransfer::from_pressure(const FluidSide& fluid, std::span<const double> pressure,
                                      std::span<double> forces) const noexcept {
-  return transfer(
-      fluid, forces,
-      [&](std::span<const std::int32_t> nodes, const fem::SurfaceShape& shape, const Vector3d& area) {
-        double p = 0;
-        for (std::size_t b = 0; b < nodes.size(); ++b)
-          p += shape.N[b] * pressure[static_cast<std::size_t>(nodes[b])];
-        return Vector3d(p * area);
-      });
+  return transfer(fluid, forces, [&](std::span<const std::int32_t> nodes) {
+    std::array<double, fem::max_surface_nodes> p{};
+    for (std::size_t b = 0; b < nodes.size(); ++b) p[b] = pressure[static_cast<std::size_t>(nodes[b])];
+    return [p](const fem::SurfaceShape& shape, const Vector3d& area) {
+      double at = 0;
+      for (std::size_t b = 0; b < static_cast<std::size_t>(shape.nodes); ++b) at += shape.N[b] * p[b];
+      return Vector3d(at * area);
+    };
+  });
 }
 
 LoadSums LoadTransfer::from_traction(const FluidSide& fluid, std::span<const double> traction,
                                      std::span<double> forces) const noexcept {
-  return transfer(
-      fluid, forces,
-      [&](std::span<const std::int32_t> nodes, const fem::SurfaceShape& shape, const Vector3d& area) {
-        const Vector3d t = combine(shape.N, shape.nodes, gather(nodes, traction));
-        return Vector3d(area.norm() * t);
-      });
+  return transfer(fluid, forces, [&](std::span<const std::int32_t> nodes) {
+    return [t = gather(nodes, traction)](const fem::SurfaceShape& shape, const Vector3d& area) {
+      return Vector3d(area.norm() * combine(shape.N, shape.nodes, t));
+    };
+  });
 }
 
 Result<void> LoadTransfer::recover_traction(std::span<const double> forces, std::span<double> traction) {

@@ -57,8 +57,8 @@ class LoadTransfer {
   [[nodiscard]] Result<void> recover_traction(std::span<const double> forces, std::span<double> traction);
 
  private:
-  template <class ForceAt>
-  LoadSums transfer(const FluidSide& fluid, std::span<double> forces, const ForceAt& force_at) const noexcept;
+  template <class LoadOn>
+  LoadSums transfer(const FluidSide& fluid, std::span<double> forces, const LoadOn& load_on) const noexcept;
   [[nodiscard]] Result<void> factor_recovery(const Surface& structure, const Surface& fluid);
 
   InterfaceQuadrature quadrature_;
