@@ -71,3 +71,12 @@ function(drogue_benchmark name)
   target_link_libraries(${name} PRIVATE drogue_options ${ARG_DEPS} benchmark::benchmark benchmark::benchmark_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/benchmarks)
 endfunction()
+
+# drogue_native(SOURCE...)
+# Compiles numerical kernels (and nothing else) for the processor of this machine.
+option(DROGUE_NATIVE "Compile the numerical kernels for this machine's processor" ON)
+function(drogue_native)
+  if(DROGUE_NATIVE)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "-march=native")
+  endif()
+endfunction()

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "common/la_krylov/session.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <limits>
+#include <thread>
+
+#include <petscksp.h>
+#include <unistd.h>
+
+namespace drogue::la {
+
+Result<Session> Session::start() {
+  if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr) setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  if (PetscOptionsSetValue(nullptr, "-no_signal_handler", "true") != 0 || PetscInitializeNoArguments() != 0)
+    return internal_error("PETSc does not start");
+  PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
+  return Session();
+}
+
+Session::~Session() {
+  if (owner_) PetscFinalize();
+}
+
+int rank() {
+  int r = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &r);
+  return r;
+}
+
+int rank_count() {
+  int n = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &n);
+  return n;
+}
+
+double sum_over_ranks(double value) {
+  sum_over_ranks(&value, 1);
+  return value;
+}
+
+void sum_over_ranks(double* values, int count) {
+  if (rank_count() > 1) MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+}
+
+bool on_every_rank(bool value) {
+  int all = value ? 1 : 0;
+  if (rank_count() > 1) MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+  return all != 0;
+}
+
+std::vector<std::int64_t> process_ids() {
+  std::vector<std::int64_t> ids(static_cast<std::size_t>(rank_count()));
+  const std::int64_t own = getpid();
+  MPI_Allgather(&own, 1, MPI_INT64_T, ids.data(), 1, MPI_INT64_T, PETSC_COMM_WORLD);
+  return ids;
+}
+
+void broadcast_passively(void* data, std::uint64_t bytes) {
+  if (rank_count() == 1) return;
+  auto* at = static_cast<char*>(data);
+  while (bytes > 0) {
+    const auto part = std::min<std::uint64_t>(bytes, std::numeric_limits<int>::max());
+    MPI_Request request = MPI_REQUEST_NULL;
+    MPI_Ibcast(at, static_cast<int>(part), MPI_BYTE, 0, PETSC_COMM_WORLD, &request);
+    int done = 0;
+    for (MPI_Test(&request, &done, MPI_STATUS_IGNORE); done == 0; MPI_Test(&request, &done, MPI_STATUS_IGNORE))
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    at += part;
+    bytes -= part;
+  }
+}
+
+void broadcast_passively(std::vector<double>& values) {
+  std::uint64_t size = values.size();
+  broadcast_passively(&size, sizeof(size));
+  values.resize(size);
+  broadcast_passively(values.data(), size * sizeof(double));
+}
+
+void abort_all(int status) {
+  MPI_Abort(PETSC_COMM_WORLD, status);
+  std::abort();
+}
+
+} // namespace drogue::la

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "fluid_solver/instant.hpp"
+
+/// DSD/SST: P1 tetrahedron in space times linear, discontinuous in time, on the slab between the mesh at t_n and
+/// the mesh at t_{n+1} [tezduyar1992], [stein2001]. 8 unknowns a node: (u, p) at t_n^+ and (u, p) at t_{n+1}^-.
+///
+/// Test functions N_a(x, t) T_al(t), al = 0, 1, T_0 = 1 - theta, T_1 = theta. The nodes move with the mesh, so
+/// d(N_a T_al)/dt + u . grad(N_a T_al) = N_a T_al' + T_al c . grad N_a, and du/dt following the mesh is
+/// (u_{n+1} - u_n)/dt nodewise. With F, C, Ft of instant.hpp:
+///   R_(a,al)^u = int_dt (T_al F_a + T_al' Ft_a) dt  +  delta_al0 int_{Omega(t_n)} N_a (u_n^+ - u_n^-)
+///   R_(a,al)^p = int_dt T_al C_a dt
+/// Two Gauss points in time; space integrals are exact at each. The moving mesh enters through the geometry and
+/// through c alone: fields linear in x stay exact on any moving mesh.
+namespace drogue::fluid {
+
+template <class Real>
+struct SpaceTimeValues {
+  Real x_n[4][3];   ///< corners at t_n [length]
+  Real x_np1[4][3]; ///< corners at t_{n+1}
+  Real u_n[4][3];   ///< u_n^-, end of the slab before
+  Real f_n[4][3];   ///< body force per mass at t_n
+  Real f_np1[4][3]; ///< body force per mass at t_{n+1}
+  Real w[4][8];     ///< unknowns
+};
+
+/// Positions of the two Gauss points in (0, 1).
+inline constexpr double slab_points[2] = {0.21132486540518711775, 0.78867513459481288225};
+
+/// Nodal values at theta of the slab; x receives the corners.
+template <class Real>
+inline void values_in_slab(const SpaceTimeValues<Real>& in, double theta, double dt, Real x[4][3],
+                           InstantValues<Real>& v) noexcept {
+  const double T0 = 1.0 - theta;
+  const double T1 = theta;
+  const double rate = 1.0 / dt;
+  for (int a = 0; a < 4; ++a) {
+    v.p[a] = T0 * in.w[a][3] + T1 * in.w[a][7];
+    for (int d = 0; d < 3; ++d) {
+      x[a][d] = T0 * in.x_n[a][d] + T1 * in.x_np1[a][d];
+      v.u[a][d] = T0 * in.w[a][d] + T1 * in.w[a][4 + d];
+      v.c[a][d] = v.u[a][d] - rate * (in.x_np1[a][d] - in.x_n[a][d]);
+      v.a[a][d] = rate * (in.w[a][4 + d] - in.w[a][d]) - (T0 * in.f_n[a][d] + T1 * in.f_np1[a][d]);
+    }
+  }
+}
+
+/// Adds one time point's share of the 8 x 8 tangent block (column-major).
+template <class Real>
+inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double dt, Real block[64]) noexcept {
+  const double T[2] = {1.0 - theta, theta};
+  const double D[2] = {-1.0 / dt, 1.0 / dt};
+  for (int be = 0; be < 2; ++be)
+    for (int al = 0; al < 2; ++al) {
+      const double TT = T[al] * T[be];
+      const double TD = T[al] * D[be];
+      const double DT = D[al] * T[be];
+      const Real rate = TD * t.momentum_rate + (D[al] * D[be]) * t.time_rate;
+      Real* q = block + 32 * be + 4 * al;
+      for (int j = 0; j < 3; ++j) {
+        for (int i = 0; i < 3; ++i) q[8 * j + i] += TT * t.momentum_u[i][j] + DT * t.time_u[i][j];
+        q[8 * j + j] += rate;
+        q[8 * j + 3] += TT * t.continuity_u[j] + TD * t.continuity_rate[j];
+        q[24 + j] += TT * t.momentum_p[j] + DT * t.time_p[j];
+      }
+      q[27] += TT * t.continuity_p;
+    }
+}
+
+/// residual[a] = (R_(a,0)^u, R_(a,0)^p, R_(a,1)^u, R_(a,1)^p); with `tangent`, calls sink(a, b, block) for the 16
+/// node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
+template <bool tangent, class Real, class Rule, class Sink>
+inline void space_time_element(const SpaceTimeValues<Real>& in, double dt, const Rule& rule, Real residual[4][8],
+                               Sink&& sink) noexcept {
+  const Real jump_V20 = 0.05 * tet_geometry(in.x_n).volume;
+  for (int d = 0; d < 3; ++d) {
+    Real jump[4];
+    Real sum{};
+    for (int a = 0; a < 4; ++a) sum += jump[a] = in.w[a][d] - in.u_n[a][d];
+    for (int a = 0; a < 4; ++a) {
+      residual[a][d] = jump_V20 * (sum + jump[a]);
+      residual[a][4 + d] = Real{};
+    }
+  }
+  for (int a = 0; a < 4; ++a) residual[a][3] = residual[a][7] = Real{};
+
+  Instant<Real> s[2];
+  for (int point = 0; point < 2; ++point) {
+    const double theta = slab_points[point];
+    Real x[4][3];
+    InstantValues<Real> v;
+    values_in_slab(in, theta, dt, x, v);
+    evaluate_instant(x, v, 0.5 * dt, rule, point, s[point]);
+    const double T[2] = {1.0 - theta, theta};
+    const double D[2] = {-1.0 / dt, 1.0 / dt};
+    for (int a = 0; a < 4; ++a)
+      for (int al = 0; al < 2; ++al) {
+        for (int d = 0; d < 3; ++d)
+          residual[a][4 * al + d] += T[al] * s[point].momentum[a][d] + D[al] * s[point].time_test[a][d];
+        residual[a][4 * al + 3] += T[al] * s[point].continuity[a];
+      }
+  }
+  if constexpr (tangent) {
+    InstantTangent<Real> t;
+    Real block[64];
+    for (int a = 0; a < 4; ++a)
+      for (int b = 0; b < 4; ++b) {
+        for (Real& value : block) value = Real{};
+        for (int d = 0; d < 3; ++d) block[9 * d] = jump_V20 * (a == b ? 2.0 : 1.0);
+        for (int point = 0; point < 2; ++point) {
+          instant_tangent(s[point], a, b, t);
+          add_slab_tangent(t, slab_points[point], dt, block);
+        }
+        sink(a, b, block);
+      }
+  }
+}
+
+} // namespace drogue::fluid

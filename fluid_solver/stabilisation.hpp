@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "fluid_solver/batch.hpp"
+#include "fluid_solver/tet_geometry.hpp"
+
+namespace drogue::fluid {
+
+/// What the element kernels need besides nodal values.
+struct FlowParameters {
+  double dt = 0;          ///< time step [time]
+  double nu = 0;          ///< molecular kinematic viscosity [length^2/time]
+  double smagorinsky = 0; ///< Cs; 0 switches the model off
+  bool lsic = true;
+};
+
+/// Element coefficients at one instant. The tangent holds them constant.
+template <class Real>
+struct Coefficients {
+  Real nu;       ///< molecular + eddy viscosity [length^2/time]
+  Real tau;      ///< tau_supg = tau_pspg [time]
+  Real tau_lsic; ///< [length^2/time]
+};
+
+/// Edge of the regular tetrahedron of the same volume [length].
+template <class Real>
+[[nodiscard]] inline Real element_length(Real volume) noexcept {
+  return cube_root(6.0 * 1.4142135623730951 * volume);
+}
+
+/// Smagorinsky's eddy viscosity (Cs h)^2 sqrt(2 S:S), S the symmetric velocity gradient [length^2/time].
+/// grad_u[i][j] = du_i/dx_j.
+template <class Real>
+[[nodiscard]] inline Real eddy_viscosity(Real h, const Real grad_u[3][3], double cs) noexcept {
+  Real twice_s_s{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const Real twice_s = grad_u[i][j] + grad_u[j][i];
+      twice_s_s += 0.5 * twice_s * twice_s;
+    }
+  const Real length = cs * h;
+  return length * length * square_root(twice_s_s);
+}
+
+/// Stabilisation parameters after [tezduyar2003], UGN form, with c the advecting velocity (relative to the mesh)
+/// at the centroid:
+///   tau      = ((sum_a |c . grad N_a|)^2 + (2/dt)^2 + (4 nu / h^2)^2)^(-1/2)
+///   h_ugn    = 2 |c| / sum_a |c . grad N_a|
+///   tau_lsic = 1/2 h_ugn |c| min(1, Re/3),   Re = |c| h_ugn / (2 nu)
+/// Limits: tau -> dt/2 for small dt, h^2 / (4 nu) when diffusion dominates; tau_lsic -> 0 in a fluid at rest.
+struct StandardCoefficients {
+  FlowParameters parameters;
+
+  template <class Real>
+  [[nodiscard]] Coefficients<Real> operator()(int /*instant*/, const TetGeometry<Real>& geometry,
+                                              const Real c[3], const Real grad_u[3][3]) const noexcept {
+    constexpr double tiny = 1e-300;
+    const Real h = element_length(geometry.volume);
+    Coefficients<Real> k;
+    k.nu = parameters.nu + eddy_viscosity(h, grad_u, parameters.smagorinsky);
+    const Real speed = square_root(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+    Real advection{};
+    for (const auto& g : geometry.gradient) advection += absolute(c[0] * g[0] + c[1] * g[1] + c[2] * g[2]);
+    const double rate = 2.0 / parameters.dt;
+    const Real diffusion = 4.0 * k.nu / (h * h);
+    k.tau = 1.0 / square_root(advection * advection + rate * rate + diffusion * diffusion);
+    const Real h_ugn = 2.0 * speed / (advection + tiny);
+    const Real speed_h = speed * h_ugn;
+    // min(1, Re/3) = |c| h / max(|c| h, 6 nu)
+    k.tau_lsic = parameters.lsic ? 0.5 * speed_h * (speed_h / (larger(speed_h, 6.0 * k.nu) + tiny)) : Real{};
+    return k;
+  }
+};
+
+} // namespace drogue::fluid
