@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fluid_solver/boundary_conditions.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace drogue::fluid {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// Axis to which the face is normal to 1e-6; -1 when it is none.
+int normal_axis(const BoundaryFace& face, std::span<const double> points) {
+  const auto a = area_vector(face, points);
+  const double length = std::hypot(a[0], a[1], a[2]);
+  for (int d = 0; d < 3; ++d)
+    if (std::fabs(a[static_cast<std::size_t>(d)]) > (1 - 1e-12) * length) return d;
+  return -1;
+}
+
+const BoundarySettings* find(const Settings& settings, const std::string& name) {
+  const auto found = std::find_if(settings.boundaries.begin(), settings.boundaries.end(),
+                                  [&](const BoundarySettings& b) { return b.name == name; });
+  return found == settings.boundaries.end() ? nullptr : &*found;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void check_slip_planes(const Settings& settings, const FluidMesh& mesh, config::Report& report) {
+  for (std::size_t i = 0; i < settings.boundaries.size(); ++i) {
+    const BoundarySettings& b = settings.boundaries[i];
+    if (b.condition != Condition::free_slip) continue;
+    const auto tilted = std::count_if(mesh.faces.begin(), mesh.faces.end(), [&](const BoundaryFace& face) {
+      return mesh.boundaries[at(face.boundary)] == b.name && normal_axis(face, mesh.points) < 0;
+    });
+    if (tilted > 0)
+      report.error(settings.source.where(fmt::format("boundary[{}].free_slip", i)),
+                   fmt::format("free_slip needs planes normal to x, y or z; {} faces of \"{}\" are not", tilted, b.name));
+  }
+}
+
+} // namespace
+
+void check_against_mesh(const Settings& settings, const FluidMesh& mesh, config::Report& report) {
+  const std::string file = settings.mesh.filename().string();
+  const auto check = [&](const std::string& path, const std::string& name) {
+    if (!contains(mesh.boundaries, name))
+      config::report_unknown_name(report, settings.source.where(path), "boundary", name, file, mesh.boundaries);
+  };
+  for (std::size_t i = 0; i < settings.boundaries.size(); ++i)
+    check(fmt::format("boundary[{}].name", i), settings.boundaries[i].name);
+  for (std::size_t i = 0; i < settings.interface.size(); ++i)
+    check(fmt::format("interface[{}]", i), settings.interface[i]);
+  for (std::size_t i = 0; i < settings.forces.size(); ++i)
+    for (std::size_t k = 0; k < settings.forces[i].boundaries.size(); ++k)
+      check(fmt::format("force[{}].boundary[{}]", i, k), settings.forces[i].boundaries[k]);
+  for (const std::string& name : mesh.boundaries)
+    if (find(settings, name) == nullptr)
+      report.error(settings.source.where("boundary"),
+                   fmt::format("boundary \"{}\" of {} has no condition; add a boundary {{ name: \"{}\" ... }}", name, file,
+                               name));
+  check_slip_planes(settings, mesh, report);
+}
+
+std::vector<std::int32_t> boundary_indices(const FluidMesh& mesh, std::span<const std::string> names) {
+  std::vector<std::int32_t> indices;
+  for (const std::string& name : names)
+    indices.push_back(static_cast<std::int32_t>(
+        std::find(mesh.boundaries.begin(), mesh.boundaries.end(), name) - mesh.boundaries.begin()));
+  return indices;
+}
+
+VelocityConstraints::VelocityConstraints(const Settings& settings, const FluidMesh& mesh)
+    : boundaries_(settings.boundaries), fixed_(3 * at(mesh.node_count()), 0) {
+  std::vector<std::int32_t> condition_of(mesh.boundaries.size(), 0);
+  for (std::size_t k = 0; k < mesh.boundaries.size(); ++k)
+    condition_of[k] = static_cast<std::int32_t>(find(settings, mesh.boundaries[k]) - settings.boundaries.data());
+  bool open = false;
+  for (const Condition pass : {Condition::no_slip, Condition::velocity, Condition::free_slip}) {
+    for (const BoundaryFace& face : mesh.faces) {
+      const std::int32_t index = condition_of[at(face.boundary)];
+      const BoundarySettings& b = boundaries_[at(index)];
+      if (b.condition != pass) continue;
+      const int axis = pass == Condition::free_slip ? normal_axis(face, mesh.points) : -1;
+      for (const std::int32_t node : face.nodes)
+        for (int d = 0; d < 3; ++d)
+          if (pass == Condition::velocity || (pass == Condition::no_slip && b.components[static_cast<std::size_t>(d)]) ||
+              d == axis)
+            add(node, d, index);
+      const auto area = area_vector(face, mesh.points);
+      const double size = std::hypot(area[0], area[1], area[2]);
+      for (std::size_t d = 0; d < 3; ++d) // a wall that does not hold its normal component
+        open = open || (pass == Condition::no_slip && !b.components[d] && std::fabs(area[d]) > 1e-6 * size);
+    }
+  }
+  for (const BoundaryFace& face : mesh.faces)
+    if (boundaries_[at(condition_of[at(face.boundary)])].is_open())
+      open_nodes_.insert(open_nodes_.end(), face.nodes.begin(), face.nodes.end());
+  std::sort(open_nodes_.begin(), open_nodes_.end());
+  open_nodes_.erase(std::unique(open_nodes_.begin(), open_nodes_.end()), open_nodes_.end());
+  if (!open && open_nodes_.empty()) pinned_ = mesh.from_file[0];
+}
+
+void VelocityConstraints::add(std::int32_t node, int component, std::int32_t boundary) {
+  char& fixed = fixed_[3 * at(node) + static_cast<std::size_t>(component)];
+  if (fixed) return;
+  fixed = 1;
+  entries_.push_back({node, component, boundary});
+}
+
+void VelocityConstraints::apply(double t, std::span<const double> points, std::span<const double> wall_velocity,
+                                std::span<double> unknowns, std::size_t stride, std::size_t offset) const {
+  for (const Entry& e : entries_) {
+    const BoundarySettings& b = boundaries_[at(e.boundary)];
+    const double* x = points.data() + 3 * at(e.node);
+    const auto d = static_cast<std::size_t>(e.component);
+    double value = 0; // free slip: no normal velocity in the inertial frame
+    if (b.condition == Condition::no_slip) value = wall_velocity[3 * at(e.node) + d];
+    if (b.condition == Condition::velocity) value = b.value[d](x[0], x[1], x[2], t);
+    unknowns[stride * at(e.node) + offset + d] = value;
+  }
+}
+
+} // namespace drogue::fluid

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fluid_solver/flow_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace drogue::fluid {
+namespace {
+
+std::vector<double> at_nodes(const config::VectorExpression& f, std::span<const double> x, double t) {
+  std::vector<double> values(x.size(), 0.0);
+  for (std::size_t d = 0; d < 3; ++d) {
+    if (f[d].is_zero()) continue;
+    for (std::size_t i = 0; i < x.size(); i += 3) values[i + d] = f[d](x[i], x[i + 1], x[i + 2], t);
+  }
+  return values;
+}
+
+double largest_norm(std::span<const double> values, std::size_t stride) {
+  double largest = 0;
+  for (std::size_t i = 0; i + 2 < values.size(); i += stride)
+    largest = std::max(largest, std::hypot(values[i], values[i + 1], values[i + 2]));
+  return largest;
+}
+
+double total_volume(const FluidMesh& mesh) {
+  double sum = 0; // divergence theorem: V = 1/3 int x . n
+  for (const BoundaryFace& face : mesh.faces) {
+    const auto a = area_vector(face, mesh.points);
+    for (std::size_t d = 0; d < 3; ++d)
+      for (const std::int32_t node : face.nodes) sum += mesh.points[3 * static_cast<std::size_t>(node) + d] * a[d] / 9;
+  }
+  return sum;
+}
+
+} // namespace
+
+FlowSolver::FlowSolver(const Settings& settings, const FluidMesh& mesh)
+    : settings_(settings), mesh_(mesh), constraints_(settings, mesh) {
+  state_.x = mesh.points;
+  state_.u = at_nodes(settings.initial_velocity, mesh.points, 0);
+  state_.wall_velocity.assign(mesh.points.size(), 0.0);
+  for (std::size_t i = 0; i < mesh.points.size(); i += 3)
+    state_.p.push_back(settings.initial_pressure(mesh.points[i], mesh.points[i + 1], mesh.points[i + 2], 0) /
+                       settings.density);
+}
+
+io::State FlowSolver::export_state() const {
+  io::State file{"fluid", mesh_.hash, state_.time, state_.step, {}};
+  const auto n = static_cast<std::uint64_t>(mesh_.node_count());
+  file.add("velocity", {n, 3}, mesh_.reordered_to_file(state_.u, 3));
+  std::vector<double> p = mesh_.reordered_to_file(state_.p, 1);
+  for (double& value : p) value *= settings_.density;
+  file.add("pressure", {n}, std::move(p));
+  // The exact kinematic pressure: a division after a product need not give the same bits.
+  file.add("kinematic_pressure", {n}, mesh_.reordered_to_file(state_.p, 1));
+  file.add("wall_velocity", {n, 3}, mesh_.reordered_to_file(state_.wall_velocity, 3));
+  file.add("position", {n, 3}, mesh_.reordered_to_file(state_.x, 3));
+  return file;
+}
+
+Result<void> FlowSolver::import_state(const io::State& file) {
+  if (file.kind != "fluid") return config_error("the state is of kind \"{}\", not \"fluid\"", file.kind);
+  if (file.mesh_hash != mesh_.hash)
+    return config_error("the state lives on another mesh (hash {}, this mesh {}): make it anew on this mesh",
+                        file.mesh_hash, mesh_.hash);
+  FlowState s{file.time, file.step, {}, {}, mesh_.points, std::vector<double>(mesh_.points.size(), 0.0)};
+  const auto n = static_cast<std::size_t>(mesh_.node_count());
+  const auto read = [&](const char* name, int components, std::vector<double>& to) -> Result<bool> {
+    const io::StateArray* array = file.find(name);
+    if (array == nullptr) return false;
+    if (array->values.size() != n * static_cast<std::size_t>(components))
+      return config_error("array \"{}\" of the state has {} values; {} nodes need {}", name, array->values.size(), n,
+                          n * static_cast<std::size_t>(components));
+    to = mesh_.reordered_from_file(array->values, components);
+    return true;
+  };
+  for (const auto& found : {read("velocity", 3, s.u), read("wall_velocity", 3, s.wall_velocity), read("position", 3, s.x)})
+    if (!found) return found.error();
+  auto kinematic = read("kinematic_pressure", 1, s.p);
+  if (!kinematic) return kinematic.error();
+  if (!*kinematic) {
+    const auto physical = read("pressure", 1, s.p);
+    if (!physical) return physical.error();
+    for (double& value : s.p) value /= settings_.density;
+  }
+  if (s.u.empty() || s.p.empty()) return config_error("the state has no velocity or no pressure");
+  state_ = std::move(s);
+  return {};
+}
+
+Result<void> FlowSolver::begin_step(Formulation formulation, double dt) {
+  auto& system = systems_[formulation == Formulation::dsd_sst ? 1 : 0];
+  if (!system) {
+    auto made = make_flow_system(formulation, settings_, mesh_, constraints_);
+    if (!made) return made.error();
+    system = std::move(*made);
+  }
+  active_ = system.get();
+  data_.t_n = state_.time;
+  data_.dt = dt;
+  data_.x_n = data_.x_np1 = state_.x;
+  data_.u_n = state_.u;
+  data_.wall_n = data_.wall_np1 = state_.wall_velocity;
+  data_.f_n = at_nodes(settings_.body_force, state_.x, state_.time);
+  data_.f_np1 = at_nodes(settings_.body_force, state_.x, state_.time + dt);
+  const auto n = static_cast<std::size_t>(active_->unknowns());
+  data_.unknowns.resize(static_cast<std::size_t>(mesh_.node_count()) * n);
+  for (std::size_t i = 0; i < state_.p.size(); ++i)
+    for (std::size_t q = 0; q < n; q += 4) {
+      std::copy_n(state_.u.data() + 3 * i, 3, data_.unknowns.data() + n * i + q);
+      data_.unknowns[n * i + q + 3] = state_.p[i];
+    }
+  total_ = {};
+  first_residual_.reset();
+  updates_since_jacobian_ = -1;
+  return {};
+}
+
+Result<void> FlowSolver::set_end(std::span<const double> x_np1, std::span<const double> wall_n,
+                                 std::span<const double> wall_np1) {
+  if (const double ratio = smallest_volume_ratio(mesh_, x_np1); !(ratio > 0))
+    return retryable_error("the fluid mesh has an inverted element: smallest volume ratio {:.3g}", ratio);
+  data_.x_np1.assign(x_np1.begin(), x_np1.end());
+  data_.wall_n.assign(wall_n.begin(), wall_n.end());
+  data_.wall_np1.assign(wall_np1.begin(), wall_np1.end());
+  data_.f_np1 = at_nodes(settings_.body_force, data_.x_np1, data_.t_n + data_.dt);
+  return {};
+}
+
+void FlowSolver::apply_constraints() {
+  const auto n = static_cast<std::size_t>(active_->unknowns());
+  const double t_np1 = data_.t_n + data_.dt;
+  if (n == 8) constraints_.apply(data_.t_n, data_.x_n, data_.wall_n, data_.unknowns, n, 0);
+  constraints_.apply(t_np1, data_.x_np1, data_.wall_np1, data_.unknowns, n, n - 4);
+}
+
+/// U: the largest speed of the step's start; in a fluid at rest what the body force or one element a step make.
+void FlowSolver::set_scale() {
+  const auto n = static_cast<std::size_t>(active_->unknowns());
+  const double h = std::cbrt(total_volume(mesh_) / mesh_.tet_count());
+  double speed = std::max(largest_norm(data_.unknowns, n), largest_norm(data_.u_n, 3));
+  if (n == 8) speed = std::max(speed, largest_norm(std::span(data_.unknowns).subspan(4), n));
+  if (speed == 0) speed = largest_norm(data_.f_np1, 3) * data_.dt;
+  if (speed == 0) speed = h / data_.dt;
+  active_->begin_step(data_.dt, speed);
+  residual_floor_ = 1e-12 * speed * speed * h * h * std::sqrt(mesh_.node_count()) * (n == 8 ? data_.dt : 1.0);
+}
+
+Result<double> FlowSolver::evaluate(bool jacobian) {
+  apply_constraints();
+  if (!first_residual_) set_scale();
+  auto norm = active_->evaluate(data_, jacobian);
+  if (!norm) return norm;
+  if (!first_residual_) first_residual_ = *norm;
+  total_.residual = *first_residual_ > 0 ? *norm / *first_residual_ : 0;
+  total_.converged = total_.residual <= settings_.newton.residual_tolerance || *norm <= residual_floor_;
+  return norm;
+}
+
+Result<NewtonReport> FlowSolver::newton(int iterations) {
+  NewtonReport report;
+  for (int k = 0; k < iterations; ++k) {
+    const bool jacobian = updates_since_jacobian_ < 0 || updates_since_jacobian_ >= settings_.newton.jacobian_lag;
+    if (const auto norm = evaluate(jacobian); !norm) return norm.error();
+    if (jacobian) updates_since_jacobian_ = 0;
+    if (total_.converged) break;
+    const auto solved = active_->solve_and_add(data_.unknowns);
+    if (!solved) return solved.error();
+    ++updates_since_jacobian_;
+    ++report.iterations;
+    report.linear_iterations += solved->iterations;
+    report.linear_converged = report.linear_converged && solved->converged;
+  }
+  total_.iterations += report.iterations;
+  total_.linear_iterations += report.linear_iterations;
+  total_.linear_converged = total_.linear_converged && report.linear_converged;
+  report.residual = total_.residual;
+  report.converged = total_.converged;
+  return report;
+}
+
+Result<NewtonReport> FlowSolver::finish() {
+  if (const auto norm = evaluate(false); !norm) return norm.error();
+  return total_;
+}
+
+void FlowSolver::commit() {
+  state_.u = velocity_np1();
+  state_.p = pressure_np1();
+  state_.x = data_.x_np1;
+  state_.wall_velocity = data_.wall_np1;
+  state_.time = data_.t_n + data_.dt;
+  ++state_.step;
+}
+
+std::vector<double> FlowSolver::velocity_np1() const {
+  const auto n = static_cast<std::size_t>(active_->unknowns());
+  std::vector<double> u(data_.u_n.size());
+  for (std::size_t i = 0; i < state_.p.size(); ++i)
+    std::copy_n(data_.unknowns.data() + n * i + (n - 4), 3, u.data() + 3 * i);
+  return u;
+}
+
+std::vector<double> FlowSolver::pressure_np1() const {
+  const auto n = static_cast<std::size_t>(active_->unknowns());
+  std::vector<double> p(state_.p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) p[i] = data_.unknowns[n * i + n - 1];
+  return p;
+}
+
+std::vector<double> FlowSolver::pressure_mean() const {
+  std::vector<double> p = pressure_np1();
+  if (active_->unknowns() == 8)
+    for (std::size_t i = 0; i < p.size(); ++i) p[i] = 0.5 * (p[i] + data_.unknowns[8 * i + 3]);
+  return p;
+}
+
+} // namespace drogue::fluid

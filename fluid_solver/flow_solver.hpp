@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/io/state_file.hpp"
+#include "fluid_solver/boundary_conditions.hpp"
+#include "fluid_solver/flow_system.hpp"
+#include "fluid_solver/fluid_mesh.hpp"
+#include "fluid_solver/settings.hpp"
+#include "fluid_solver/step_data.hpp"
+
+namespace drogue::fluid {
+
+/// The committed flow: all that the next step starts from. Node arrays in the solver's order.
+struct FlowState {
+  double time = 0;
+  std::uint64_t step = 0;
+  std::vector<double> u;             ///< {n, 3}
+  std::vector<double> p;             ///< {n} kinematic pressure
+  std::vector<double> x;             ///< {n, 3} positions
+  std::vector<double> wall_velocity; ///< {n, 3} velocity of the walls; zero elsewhere
+};
+
+/// Newton iterations of one call, or summed over a step.
+struct NewtonReport {
+  int iterations = 0;
+  int linear_iterations = 0;
+  double residual = 0; ///< last evaluated, relative to the first of the step
+  bool converged = false;
+  bool linear_converged = true;
+};
+
+/// Steps the flow. The same object and calls on every rank; every function that returns a Result is collective.
+///
+///   begin_step -> (set_end -> newton)* -> finish -> commit, or rollback at any point after begin_step.
+///
+/// Deterministic: what a step computes depends on the committed state and on the calls since begin_step only.
+/// Jacobian, factorisation and scaling are rebuilt in every step.
+class FlowSolver {
+ public:
+  /// Starts from the settings' initial fields. `settings` and `mesh` must outlive the solver.
+  FlowSolver(const Settings& settings, const FluidMesh& mesh);
+
+  [[nodiscard]] const FlowState& state() const { return state_; }
+  /// The committed state for a file, pressure physical, node order of the mesh file.
+  [[nodiscard]] io::State export_state() const;
+  /// Errors (ErrorKind::config): other kind, other mesh, an array missing or of the wrong size.
+  [[nodiscard]] Result<void> import_state(const io::State& file);
+
+  [[nodiscard]] Result<void> begin_step(Formulation formulation, double dt);
+  /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at no-slip nodes. Not called: mesh and
+  /// walls stay at rest.
+  /// Errors (retryable): an inverted element.
+  [[nodiscard]] Result<void> set_end(std::span<const double> x_np1, std::span<const double> wall_n,
+                                     std::span<const double> wall_np1);
+  /// At most `iterations` Newton iterations; stops early at the settings' residual tolerance.
+  [[nodiscard]] Result<NewtonReport> newton(int iterations);
+  /// Evaluates the residual at the last iterate: reactions, and the step's final figures.
+  [[nodiscard]] Result<NewtonReport> finish();
+  void commit();
+  void rollback() {}
+
+  /// End-of-step values of the current iterate.
+  [[nodiscard]] std::vector<double> velocity_np1() const;
+  [[nodiscard]] std::vector<double> pressure_np1() const; ///< kinematic
+  [[nodiscard]] std::vector<double> pressure_mean() const; ///< kinematic, mean of the step
+  /// @pre begin_step was called
+  [[nodiscard]] const StepData& step_data() const { return data_; }
+  /// @pre finish was called in this step
+  [[nodiscard]] const FlowSystem& system() const { return *active_; }
+
+ private:
+  [[nodiscard]] Result<double> evaluate(bool jacobian);
+  void apply_constraints();
+  void set_scale();
+
+  const Settings& settings_;
+  const FluidMesh& mesh_;
+  VelocityConstraints constraints_;
+  std::unique_ptr<FlowSystem> systems_[2];
+  FlowSystem* active_ = nullptr;
+  FlowState state_;
+  StepData data_;
+  NewtonReport total_;
+  std::optional<double> first_residual_;
+  double residual_floor_ = 0;
+  int updates_since_jacobian_ = -1; ///< -1: no Jacobian in this step yet
+};
+
+} // namespace drogue::fluid
