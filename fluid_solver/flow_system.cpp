@@ -170,6 +170,8 @@ class BlockFlowSystem final : public FlowSystem {
       amg_failed_ = !amg_->apply(level_in_, level_out_) || amg_failed_;
       for (std::size_t i = 0; i < rows(); ++i) z[n * i + 4 * q + 3] += level_out_[i];
     }
+    // 4. fixed rows are those of the identity: no drift of the pinned pressure
+    for (const Fixed& f : fixed_) z[at(f.row) * n + at(f.component)] = r[at(f.row) * n + at(f.component)];
   }
 
   const Settings& settings_;
