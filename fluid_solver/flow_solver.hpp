@@ -53,6 +53,12 @@ class FlowSolver {
   /// Errors (ErrorKind::config): other kind, other mesh, an array missing or of the wrong size.
   [[nodiscard]] Result<void> import_state(const io::State& file);
 
+  /// Time and number of the committed state, where another clock than the state file's counts.
+  void set_clock(double time, std::uint64_t step) {
+    state_.time = time;
+    state_.step = step;
+  }
+
   [[nodiscard]] Result<void> begin_step(Formulation formulation, double dt);
   /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at no-slip nodes. Not called: mesh and
   /// walls stay at rest.

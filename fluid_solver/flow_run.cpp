@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fluid_solver/flow_run.hpp"
+
+#include "common/la_krylov/session.hpp"
+#include "common/mesh/msh.hpp"
+#include "fluid_solver/flow_fields.hpp"
+
+namespace drogue::fluid {
+namespace {
+
+Result<std::unique_ptr<Case>> load(const std::filesystem::path& file, bool participant) {
+  config::Report report;
+  auto input = std::make_unique<Case>();
+  input->settings = load_settings(file, report);
+  const Settings& s = input->settings;
+  if (participant && (s.phases.size() != 1 || s.phases[0].formulation != Formulation::dsd_sst))
+    report.error(s.source.where("phase"), "a participant needs exactly one phase, of formulation: DSD_SST");
+  if (participant && s.interface.empty())
+    report.error(s.source.where("interface"), "a participant needs interface: the boundaries that the structure moves");
+  if (s.mesh.empty() || !std::filesystem::is_regular_file(s.mesh)) return report.as_error();
+  auto read = mesh::read_msh(s.mesh);
+  if (!read) {
+    report.error(s.source.where("mesh"), read.error().message);
+    return report.as_error();
+  }
+  auto made = FluidMesh::create(std::move(*read));
+  if (!made) {
+    report.error(s.source.where("mesh"), fmt::format("{}: {}", s.mesh.string(), made.error().message));
+    return report.as_error();
+  }
+  input->mesh = std::move(*made);
+  check_against_mesh(s, input->mesh, report);
+  if (const auto probes = Probes::create(s, input->mesh); !probes)
+    report.error(s.source.where("probe"), probes.error().message);
+  if (!report.ok()) return report.as_error();
+  return input;
+}
+
+} // namespace
+
+Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file) { return load(file, false); }
+Result<std::unique_ptr<Case>> load_participant_case(const std::filesystem::path& file) { return load(file, true); }
+
+Result<void> agree(Result<void> of_rank_0) {
+  if (la::on_every_rank(la::rank() != 0 || of_rank_0.ok())) return {};
+  if (la::rank() == 0) return of_rank_0;
+  return internal_error("rank 0 stopped");
+}
+
+Result<void> FlowRun::start() {
+  const auto& file = input_.settings.initial_state;
+  if (!file) return {};
+  const auto state = io::read_state(*file);
+  if (!state) return state.error();
+  if (const auto done = solver_.import_state(*state); !done)
+    return config_error("{}: {}", file->string(), done.error().message);
+  return {};
+}
+
+Result<void> FlowRun::open_results(const std::filesystem::path& directory) {
+  Result<void> done;
+  if (la::rank() == 0) {
+    auto made = Results::create(input_.settings, input_.mesh, directory);
+    if (made)
+      results_.emplace(std::move(*made));
+    else
+      done = made.error();
+  }
+  return agree(done);
+}
+
+Result<StepFigures> FlowRun::finish_step(bool write_fields) {
+  const auto newton = solver_.finish();
+  if (!newton) return newton.error();
+  StepFigures figures;
+  figures.newton = *newton;
+  figures.forces = surface_forces(input_.settings, input_.mesh, solver_);
+  solver_.commit();
+  Result<void> written;
+  if (results_) {
+    const FlowState& s = solver_.state();
+    figures.cfl = largest_cfl(input_.mesh, s.x, s.u, solver_.step_data().dt);
+    std::vector<double> relative = s.u;
+    const StepData& data = solver_.step_data();
+    for (std::size_t i = 0; i < relative.size(); ++i) relative[i] -= (data.x_np1[i] - data.x_n[i]) / data.dt;
+    figures.mass_imbalance = mass_imbalance(input_.mesh, s.x, relative);
+    results_->write_series(s, figures);
+    if (write_fields) written = results_->write_fields(s, false);
+  }
+  if (const auto all = agree(written); !all) return all.error();
+  return figures;
+}
+
+Result<void> FlowRun::write_last_fields() {
+  return agree(results_ ? results_->write_fields(solver_.state(), true) : Result<void>());
+}
+
+Result<void> FlowRun::write_state(const std::filesystem::path& file) {
+  return agree(la::rank() == 0 ? io::write_state(file, solver_.export_state()) : Result<void>());
+}
+
+} // namespace drogue::fluid

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "common/base/result.hpp"
+#include "fluid_solver/flow_solver.hpp"
+#include "fluid_solver/results.hpp"
+#include "fluid_solver/settings.hpp"
+
+/// What the stand-alone run and the participant share: a loaded case, its solver and its results.
+namespace drogue::fluid {
+
+struct Case {
+  Settings settings;
+  FluidMesh mesh;
+};
+
+/// Loads a config and its mesh and checks both completely. Errors hold every finding with file:line:column.
+[[nodiscard]] Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file);
+/// The same, and what only a participant needs: one DSD_SST phase, an interface.
+[[nodiscard]] Result<std::unique_ptr<Case>> load_participant_case(const std::filesystem::path& file);
+
+/// A solver on every rank, files on rank 0.
+class FlowRun {
+ public:
+  explicit FlowRun(const Case& input) : input_(input), solver_(input.settings, input.mesh) {}
+
+  /// Reads the initial state, if the settings name one.
+  [[nodiscard]] Result<void> start();
+  /// @note Collective
+  [[nodiscard]] Result<void> open_results(const std::filesystem::path& directory);
+  [[nodiscard]] FlowSolver& solver() { return solver_; }
+  [[nodiscard]] const FlowSolver& solver() const { return solver_; }
+  /// After the last newton() of a step: forces and figures, commit, files. @note Collective
+  [[nodiscard]] Result<StepFigures> finish_step(bool write_fields);
+  /// The last state's fields, unless they are written. @note Collective
+  [[nodiscard]] Result<void> write_last_fields();
+  /// @note Collective
+  [[nodiscard]] Result<void> write_state(const std::filesystem::path& file);
+
+ private:
+  const Case& input_;
+  FlowSolver solver_;
+  std::optional<Results> results_;
+};
+
+/// Rank 0's outcome on every rank. @note Collective
+[[nodiscard]] Result<void> agree(Result<void> of_rank_0);
+
+} // namespace drogue::fluid

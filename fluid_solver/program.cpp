@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fluid_solver/program.hpp"
+
+#include "fluid_solver/fluid_participant.hpp"
+#include "fluid_solver/standalone.hpp"
+
+namespace drogue::fluid {
+
+Result<void> check(const std::filesystem::path& file) {
+  const auto input = load_case(file);
+  if (!input) return input.error();
+  fmt::print("{}: ok\n", file.string());
+  return {};
+}
+
+Result<void> run(const std::filesystem::path& file, const std::string& endpoint) {
+  const auto input = endpoint.empty() ? load_case(file) : load_participant_case(file);
+  if (!input) return input.error();
+  return endpoint.empty() ? run_standalone(**input) : serve_flow(**input, endpoint);
+}
+
+} // namespace drogue::fluid

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/result.hpp"
+#include "common/io/csv.hpp"
+#include "common/io/vtu.hpp"
+#include "fluid_solver/flow_solver.hpp"
+#include "fluid_solver/forces.hpp"
+#include "fluid_solver/probes.hpp"
+
+namespace drogue::fluid {
+
+/// Figures of a step besides the fields.
+struct StepFigures {
+  NewtonReport newton;
+  double cfl = 0;
+  double mass_imbalance = 0;
+  std::vector<SurfaceForce> forces;
+};
+
+/// All files of a run: fluid.pvd with fluid_*.vtu, flow.csv, forces.csv, probes.csv. Used on rank 0 only.
+class Results {
+ public:
+  [[nodiscard]] static Result<Results> create(const Settings& settings, const FluidMesh& mesh,
+                                              const std::filesystem::path& directory);
+  /// A row of each series, when the step is due.
+  void write_series(const FlowState& state, const StepFigures& figures);
+  /// Fields, when the step is due or `force` is set; never twice for a step, never with field_interval 0.
+  [[nodiscard]] Result<void> write_fields(const FlowState& state, bool force);
+
+ private:
+  Results(const Settings& settings, const FluidMesh& mesh) : settings_(&settings), mesh_(&mesh) {}
+
+  const Settings* settings_;
+  const FluidMesh* mesh_;
+  std::filesystem::path directory_;
+  io::PvdCollection collection_;
+  io::CsvWriter flow_;
+  io::CsvWriter forces_;
+  std::optional<io::CsvWriter> probe_series_;
+  Probes probes_;
+  std::optional<std::uint64_t> last_field_step_;
+};
+
+} // namespace drogue::fluid

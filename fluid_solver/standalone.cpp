@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "fluid_solver/standalone.hpp"
+
+#include <chrono>
+#include <cstdio>
+
+#include <unistd.h>
+
+#include "common/base/log.hpp"
+#include "common/la_krylov/session.hpp"
+
+namespace drogue::fluid {
+namespace {
+
+/// Displaced points, and their velocity by central differences over a thousandth of the step.
+struct Motion {
+  std::vector<double> points;
+  std::vector<double> velocity;
+};
+
+Motion prescribed(const config::VectorExpression& d, std::span<const double> reference, double t, double dt) {
+  Motion m{{reference.begin(), reference.end()}, std::vector<double>(reference.size(), 0.0)};
+  const double e = 1e-3 * dt;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (d[k].is_zero()) continue;
+    for (std::size_t i = 0; i < reference.size(); i += 3) {
+      const double x = reference[i];
+      const double y = reference[i + 1];
+      const double z = reference[i + 2];
+      m.points[i + k] += d[k](x, y, z, t);
+      m.velocity[i + k] = (d[k](x, y, z, t + e) - d[k](x, y, z, t - e)) / (2 * e);
+    }
+  }
+  return m;
+}
+
+Result<void> move_mesh(const PhaseSettings& phase, const FluidMesh& mesh, FlowSolver& solver) {
+  if (!phase.mesh_displacement) {
+    const std::vector<double> rest(mesh.points.size(), 0.0);
+    return solver.set_end(solver.state().x, rest, rest);
+  }
+  const double t = solver.state().time;
+  const Motion begin = prescribed(*phase.mesh_displacement, mesh.points, t, phase.step);
+  const Motion end = prescribed(*phase.mesh_displacement, mesh.points, t + phase.step, phase.step);
+  return solver.set_end(end.points, begin.velocity, end.velocity);
+}
+
+class Progress {
+ public:
+  explicit Progress(int steps) : steps_(steps), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+  void step(const FlowState& state, const StepFigures& f, const Settings& settings) {
+    ++done_;
+    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    std::string line = fmt::format("step {}/{} t {:.5g}  newton {} residual {:.1e}{}  gmres {}{}  cfl {:.2f}", done_,
+                                   steps_, state.time, f.newton.iterations, f.newton.residual,
+                                   f.newton.converged ? "" : " (not converged)", f.newton.linear_iterations,
+                                   f.newton.linear_converged ? "" : " (not converged)", f.cfl);
+    for (std::size_t i = 0; i < f.forces.size() && i < 2; ++i) {
+      const auto& force = f.forces[i];
+      const double scale = settings.forces[i].reference_force > 0 ? settings.forces[i].reference_force : 1;
+      line += fmt::format("  {} ({:.3f}, {:.3f}, {:.3f})", settings.forces[i].name,
+                          (force.pressure[0] + force.viscous[0]) / scale, (force.pressure[1] + force.viscous[1]) / scale,
+                          (force.pressure[2] + force.viscous[2]) / scale);
+    }
+    line += fmt::format("  {:.2f} s a step, {:.0f} s left", passed / done_, passed / done_ * (steps_ - done_));
+    if (terminal_)
+      fmt::print(stderr, "\r\033[K{}{}", line, done_ == steps_ ? "\n" : "");
+    else
+      spdlog::info("{}", line);
+  }
+
+ private:
+  int steps_;
+  int done_ = 0;
+  bool terminal_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+Result<StepFigures> one_step(const PhaseSettings& phase, const Case& input, FlowRun& run) {
+  FlowSolver& solver = run.solver();
+  const NewtonSettings& newton = input.settings.newton;
+  if (const auto done = solver.begin_step(phase.formulation, phase.step); !done) return done.error();
+  if (const auto done = move_mesh(phase, input.mesh, solver); !done) return done.error();
+  if (const auto done = solver.newton(newton.max_iterations); !done) return done.error();
+  auto figures = run.finish_step(true);
+  if (!figures) return figures;
+  const NewtonReport& report = figures->newton;
+  if (!report.converged && report.residual > newton.failure_tolerance)
+    return numerical_error("step {} at t = {:.6g} failed: after {} Newton iterations the residual is {:.2e} of the "
+                           "first, above failure_tolerance {:.2e}; use a smaller step",
+                           solver.state().step, solver.state().time, report.iterations, report.residual,
+                           newton.failure_tolerance);
+  return figures;
+}
+
+} // namespace
+
+Result<void> run_standalone(const Case& input) {
+  FlowRun run(input);
+  DROGUE_TRY(run.start());
+  DROGUE_TRY(run.open_results(input.settings.output.directory));
+  int steps = 0;
+  for (const PhaseSettings& phase : input.settings.phases) steps += phase.steps;
+  Progress progress(steps);
+  for (const PhaseSettings& phase : input.settings.phases)
+    for (int k = 0; k < phase.steps; ++k) {
+      const auto figures = one_step(phase, input, run);
+      if (!figures) return figures.error();
+      if (la::rank() == 0) progress.step(run.solver().state(), *figures, input.settings);
+    }
+  DROGUE_TRY(run.write_last_fields());
+  if (input.settings.final_state) DROGUE_TRY(run.write_state(*input.settings.final_state));
+  return {};
+}
+
+} // namespace drogue::fluid

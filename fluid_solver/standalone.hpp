@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "common/base/result.hpp"
+#include "fluid_solver/flow_run.hpp"
+
+namespace drogue::fluid {
+
+/// Runs the phases one after the other. Errors (ErrorKind::numerical): a step whose residual stays above the
+/// settings' failure tolerance. @note Collective
+[[nodiscard]] Result<void> run_standalone(const Case& input);
+
+} // namespace drogue::fluid
