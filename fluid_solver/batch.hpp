@@ -8,7 +8,8 @@
 /// Numbers of the element kernels: double, or eight elements at a time.
 namespace drogue::fluid {
 
-/// Eight doubles, one a lane: eight elements assembled at once. Compilers split it where registers are shorter.
+/// Eight doubles, one a lane: eight elements assembled at once. Compilers split it where registers are
+/// shorter.
 using Batch = double __attribute__((vector_size(64)));
 inline constexpr int batch_size = 8;
 

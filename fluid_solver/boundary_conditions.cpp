@@ -9,7 +9,9 @@
 namespace drogue::fluid {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 /// Axis to which the face is normal to 1e-6; -1 when it is none.
 int normal_axis(const BoundaryFace& face, std::span<const double> points) {
@@ -39,7 +41,8 @@ void check_slip_planes(const Settings& settings, const FluidMesh& mesh, config::
     });
     if (tilted > 0)
       report.error(settings.source.where(fmt::format("boundary[{}].free_slip", i)),
-                   fmt::format("free_slip needs planes normal to x, y or z; {} faces of \"{}\" are not", tilted, b.name));
+                   fmt::format("free_slip needs planes normal to x, y or z; {} faces of \"{}\" are not",
+                               tilted, b.name));
   }
 }
 
@@ -49,7 +52,8 @@ void check_against_mesh(const Settings& settings, const FluidMesh& mesh, config:
   const std::string file = settings.mesh.filename().string();
   const auto check = [&](const std::string& path, const std::string& name) {
     if (!contains(mesh.boundaries, name))
-      config::report_unknown_name(report, settings.source.where(path), "boundary", name, file, mesh.boundaries);
+      config::report_unknown_name(report, settings.source.where(path), "boundary", name, file,
+                                  mesh.boundaries);
   };
   for (std::size_t i = 0; i < settings.boundaries.size(); ++i)
     check(fmt::format("boundary[{}].name", i), settings.boundaries[i].name);
@@ -60,9 +64,10 @@ void check_against_mesh(const Settings& settings, const FluidMesh& mesh, config:
       check(fmt::format("force[{}].boundary[{}]", i, k), settings.forces[i].boundaries[k]);
   for (const std::string& name : mesh.boundaries)
     if (find(settings, name) == nullptr)
-      report.error(settings.source.where("boundary"),
-                   fmt::format("boundary \"{}\" of {} has no condition; add a boundary {{ name: \"{}\" ... }}", name, file,
-                               name));
+      report.error(
+          settings.source.where("boundary"),
+          fmt::format("boundary \"{}\" of {} has no condition; add a boundary {{ name: \"{}\" ... }}", name,
+                      file, name));
   check_slip_planes(settings, mesh, report);
 }
 
@@ -78,7 +83,8 @@ VelocityConstraints::VelocityConstraints(const Settings& settings, const FluidMe
     : boundaries_(settings.boundaries), fixed_(3 * at(mesh.node_count()), 0) {
   std::vector<std::int32_t> condition_of(mesh.boundaries.size(), 0);
   for (std::size_t k = 0; k < mesh.boundaries.size(); ++k)
-    condition_of[k] = static_cast<std::int32_t>(find(settings, mesh.boundaries[k]) - settings.boundaries.data());
+    condition_of[k] =
+        static_cast<std::int32_t>(find(settings, mesh.boundaries[k]) - settings.boundaries.data());
   bool open = false;
   for (const Condition pass : {Condition::no_slip, Condition::velocity, Condition::free_slip}) {
     for (const BoundaryFace& face : mesh.faces) {
@@ -88,8 +94,8 @@ VelocityConstraints::VelocityConstraints(const Settings& settings, const FluidMe
       const int axis = pass == Condition::free_slip ? normal_axis(face, mesh.points) : -1;
       for (const std::int32_t node : face.nodes)
         for (int d = 0; d < 3; ++d)
-          if (pass == Condition::velocity || (pass == Condition::no_slip && b.components[static_cast<std::size_t>(d)]) ||
-              d == axis)
+          if (pass == Condition::velocity ||
+              (pass == Condition::no_slip && b.components[static_cast<std::size_t>(d)]) || d == axis)
             add(node, d, index);
       const auto area = area_vector(face, mesh.points);
       const double size = std::hypot(area[0], area[1], area[2]);
@@ -112,8 +118,9 @@ void VelocityConstraints::add(std::int32_t node, int component, std::int32_t bou
   entries_.push_back({node, component, boundary});
 }
 
-void VelocityConstraints::apply(double t, std::span<const double> points, std::span<const double> wall_velocity,
-                                std::span<double> unknowns, std::size_t stride, std::size_t offset) const {
+void VelocityConstraints::apply(double t, std::span<const double> points,
+                                std::span<const double> wall_velocity, std::span<double> unknowns,
+                                std::size_t stride, std::size_t offset) const {
   for (const Entry& e : entries_) {
     const BoundarySettings& b = boundaries_[at(e.boundary)];
     const double* x = points.data() + 3 * at(e.node);

@@ -10,12 +10,12 @@
 
 namespace drogue::fluid {
 
-/// Reports every name of the settings that the mesh does not have, boundaries without a condition, and free-slip
-/// planes that are not normal to an axis.
+/// Reports every name of the settings that the mesh does not have, boundaries without a condition, and
+/// free-slip planes that are not normal to an axis.
 void check_against_mesh(const Settings& settings, const FluidMesh& mesh, config::Report& report);
 
-/// Which velocity components are prescribed at which nodes, and by what. Where boundaries meet, a component is
-/// taken by no-slip before velocity before free-slip; tractions take what is left.
+/// Which velocity components are prescribed at which nodes, and by what. Where boundaries meet, a component
+/// is taken by no-slip before velocity before free-slip; tractions take what is left.
 class VelocityConstraints {
  public:
   /// @pre check_against_mesh found nothing
@@ -28,8 +28,8 @@ class VelocityConstraints {
   /// Nodes that lie on open boundaries.
   [[nodiscard]] std::span<const std::int32_t> open_nodes() const { return open_nodes_; }
 
-  /// Writes the prescribed velocities at time t into unknowns[stride i + offset + d]. points, wall_velocity {n, 3}:
-  /// positions and velocities of the walls at t.
+  /// Writes the prescribed velocities at time t into unknowns[stride i + offset + d]. points, wall_velocity
+  /// {n, 3}: positions and velocities of the walls at t.
   void apply(double t, std::span<const double> points, std::span<const double> wall_velocity,
              std::span<double> unknowns, std::size_t stride, std::size_t offset) const;
 
@@ -49,6 +49,7 @@ class VelocityConstraints {
 };
 
 /// Index into mesh.boundaries of each of the names. @pre the names exist
-[[nodiscard]] std::vector<std::int32_t> boundary_indices(const FluidMesh& mesh, std::span<const std::string> names);
+[[nodiscard]] std::vector<std::int32_t> boundary_indices(const FluidMesh& mesh,
+                                                         std::span<const std::string> names);
 
 } // namespace drogue::fluid

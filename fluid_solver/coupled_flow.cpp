@@ -9,7 +9,9 @@
 namespace drogue::fluid {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 constexpr const char* state_file = "fluid.state";
 
@@ -113,8 +115,9 @@ std::vector<double> CoupledFlow::load() const {
   }
   const auto boundaries = boundary_indices(input_.mesh, input_.settings.interface);
   const std::vector<std::int32_t> nodes = input_.mesh.nodes_of(boundaries);
-  const std::vector<double> t = nodal_traction(input_.settings, input_.mesh, solver.step_data().x_np1,
-                                               solver.velocity_np1(), solver.pressure_np1(), boundaries, nodes);
+  const std::vector<double> t =
+      nodal_traction(input_.settings, input_.mesh, solver.step_data().x_np1, solver.velocity_np1(),
+                     solver.pressure_np1(), boundaries, nodes);
   for (const std::int32_t node : interface_file_nodes_) {
     const auto k = static_cast<std::size_t>(
         std::lower_bound(nodes.begin(), nodes.end(), input_.mesh.from_file[at(node)]) - nodes.begin());

@@ -13,10 +13,20 @@ namespace drogue::fluid {
 
 /// What the coupler asks for, in a form that goes to every rank.
 struct Order {
-  enum class Kind : std::uint64_t { configure, initialize, begin_step, iterate, commit, rollback, checkpoint, restore, stop };
+  enum class Kind : std::uint64_t {
+    configure,
+    initialize,
+    begin_step,
+    iterate,
+    commit,
+    rollback,
+    checkpoint,
+    restore,
+    stop
+  };
   Kind kind = Kind::stop;
-  /// begin_step: time, dt, step. iterate: 1 or 0 (velocity_start given), mesh displacement, velocity, velocity_start.
-  /// commit: 1 or 0 (write fields).
+  /// begin_step: time, dt, step. iterate: 1 or 0 (velocity_start given), mesh displacement, velocity,
+  /// velocity_start. commit: 1 or 0 (write fields).
   std::vector<double> numbers;
   std::string text; ///< a directory
 };
@@ -34,10 +44,15 @@ class CoupledFlow {
 
   [[nodiscard]] const NewtonReport& last_report() const { return report_; }
   /// Interface nodes in the mesh file's numbers, ascending; all interface fields follow this order.
-  [[nodiscard]] const std::vector<std::int32_t>& interface_file_nodes() const { return interface_file_nodes_; }
+  [[nodiscard]] const std::vector<std::int32_t>& interface_file_nodes() const {
+    return interface_file_nodes_;
+  }
   /// Positions at Initialize, mesh file's order.
-  [[nodiscard]] std::vector<double> initial_points() const { return input_.mesh.reordered_to_file(base_points_, 3); }
-  /// Load at t_{n+1}^-: pressure {n} or traction {n, 3}, as the settings say; and the slab's mean pressure {n}.
+  [[nodiscard]] std::vector<double> initial_points() const {
+    return input_.mesh.reordered_to_file(base_points_, 3);
+  }
+  /// Load at t_{n+1}^-: pressure {n} or traction {n, 3}, as the settings say; and the slab's mean pressure
+  /// {n}.
   [[nodiscard]] std::vector<double> load() const;
   [[nodiscard]] std::vector<double> mean_pressure() const;
 

@@ -102,7 +102,8 @@ void add_elements(const LocalElements& elements, const StepData& data, const Flo
     load(data, elements.node.data() + 4 * first, in);
     Batch r[4][n];
     if (jacobian != nullptr)
-      element<true>(in, data.dt, rule, r, MatrixSink<n>{elements.entry.data() + 16 * first, block_scale, jacobian});
+      element<true>(in, data.dt, rule, r,
+                    MatrixSink<n>{elements.entry.data() + 16 * first, block_scale, jacobian});
     else
       element<false>(in, data.dt, rule, r, [](int, int, const Batch*) noexcept {});
     scatter<n>(elements.row.data() + 4 * first, r, residual.data());

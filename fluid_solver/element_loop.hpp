@@ -12,27 +12,32 @@
 
 namespace drogue::fluid {
 
-/// The elements that touch a rank's own nodes, in batches of eight, with the places of their contributions. Elements
-/// on the border between ranks are computed by each of them, so that no sum depends on the order of messages.
+/// The elements that touch a rank's own nodes, in batches of eight, with the places of their contributions.
+/// Elements on the border between ranks are computed by each of them, so that no sum depends on the order of
+/// messages.
 struct LocalElements {
   LocalElements(const FluidMesh& mesh, const la::RowRange& own, const la::LocalPattern& pattern);
 
   std::int32_t batches = 0;
-  std::vector<std::int32_t> node;  ///< {batches, 8, 4} nodes; the last batch is filled up with its last element
-  std::vector<std::int32_t> row;   ///< {batches, 8, 4} own row, or -1
+  std::vector<std::int32_t>
+      node;                      ///< {batches, 8, 4} nodes; the last batch is filled up with its last element
+  std::vector<std::int32_t> row; ///< {batches, 8, 4} own row, or -1
   std::vector<std::int32_t> entry; ///< {batches, 8, 16} position in the pattern, or -1
 };
 
-/// Adds all element contributions to `residual` (own rows, {rows, unknowns}) and, unless null, to `jacobian`, whose
-/// scalar entry (i, j) of each block is multiplied by scale[i] scale[j]. unknowns = 4: semi-discrete, 8: DSD/SST.
+/// Adds all element contributions to `residual` (own rows, {rows, unknowns}) and, unless null, to `jacobian`,
+/// whose scalar entry (i, j) of each block is multiplied by scale[i] scale[j]. unknowns = 4: semi-discrete,
+/// 8: DSD/SST.
 template <int unknowns>
 void add_elements(const LocalElements& elements, const StepData& data, const FlowParameters& parameters,
                   std::span<const double, unknowns> scale, std::span<double> residual,
                   la::BlockMatrix<unknowns>* jacobian) noexcept;
 
 extern template void add_elements<4>(const LocalElements&, const StepData&, const FlowParameters&,
-                                     std::span<const double, 4>, std::span<double>, la::BlockMatrix<4>*) noexcept;
+                                     std::span<const double, 4>, std::span<double>,
+                                     la::BlockMatrix<4>*) noexcept;
 extern template void add_elements<8>(const LocalElements&, const StepData&, const FlowParameters&,
-                                     std::span<const double, 8>, std::span<double>, la::BlockMatrix<8>*) noexcept;
+                                     std::span<const double, 8>, std::span<double>,
+                                     la::BlockMatrix<8>*) noexcept;
 
 } // namespace drogue::fluid

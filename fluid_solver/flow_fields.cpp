@@ -9,11 +9,14 @@
 namespace drogue::fluid {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 TetGeometry<double> geometry_of(const FluidMesh& mesh, std::span<const double> x, std::int32_t tet) {
   double corners[4][3];
-  for (std::size_t a = 0; a < 4; ++a) std::copy_n(x.data() + 3 * at(mesh.tets[4 * at(tet) + a]), 3, corners[a]);
+  for (std::size_t a = 0; a < 4; ++a)
+    std::copy_n(x.data() + 3 * at(mesh.tets[4 * at(tet) + a]), 3, corners[a]);
   return tet_geometry(corners);
 }
 
@@ -106,7 +109,8 @@ double mass_imbalance(const FluidMesh& mesh, std::span<const double> x, std::spa
 
 std::vector<double> nodal_traction(const Settings& settings, const FluidMesh& mesh, std::span<const double> x,
                                    std::span<const double> u, std::span<const double> p,
-                                   std::span<const std::int32_t> boundaries, std::span<const std::int32_t> nodes) {
+                                   std::span<const std::int32_t> boundaries,
+                                   std::span<const std::int32_t> nodes) {
   std::vector<double> traction(3 * nodes.size());
   std::vector<double> area(nodes.size());
   for (const BoundaryFace& face : mesh.faces) {
@@ -114,7 +118,8 @@ std::vector<double> nodal_traction(const Settings& settings, const FluidMesh& me
     const FaceTraction t = face_traction(settings, mesh, x, u, p, face);
     const auto a = area_vector(face, x);
     for (const std::int32_t node : face.nodes) {
-      const auto k = static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
+      const auto k =
+          static_cast<std::size_t>(std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin());
       area[k] += t.area;
       for (std::size_t d = 0; d < 3; ++d) traction[3 * k + d] += p[at(node)] * a[d] + t.area * t.viscous[d];
     }

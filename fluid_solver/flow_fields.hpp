@@ -18,8 +18,9 @@ struct ElementState {
   double nu = 0;            ///< molecular + eddy kinematic viscosity
   double eddy = 0;          ///< eddy part alone
 };
-[[nodiscard]] ElementState element_state(const Settings& settings, const FluidMesh& mesh, std::span<const double> x,
-                                         std::span<const double> u, std::int32_t tet);
+[[nodiscard]] ElementState element_state(const Settings& settings, const FluidMesh& mesh,
+                                         std::span<const double> x, std::span<const double> u,
+                                         std::int32_t tet);
 
 /// Traction of the fluid on the wall behind a face, force per area [stress / density]: pressure part p n and
 /// viscous part -2 nu S n, n out of the fluid; p the mean of the face.
@@ -28,9 +29,9 @@ struct FaceTraction {
   std::array<double, 3> viscous{};
   double area = 0;
 };
-[[nodiscard]] FaceTraction face_traction(const Settings& settings, const FluidMesh& mesh, std::span<const double> x,
-                                         std::span<const double> u, std::span<const double> p,
-                                         const BoundaryFace& face);
+[[nodiscard]] FaceTraction face_traction(const Settings& settings, const FluidMesh& mesh,
+                                         std::span<const double> x, std::span<const double> u,
+                                         std::span<const double> p, const BoundaryFace& face);
 
 /// Nodal means of the elements' values, weighted by volume.
 struct NodalFields {
@@ -38,20 +39,24 @@ struct NodalFields {
   std::vector<double> q;         ///< {n} second invariant 1/2 (|Omega|^2 - |S|^2) [1/time^2]
   std::vector<double> eddy;      ///< {n} eddy kinematic viscosity
 };
-[[nodiscard]] NodalFields nodal_fields(const Settings& settings, const FluidMesh& mesh, std::span<const double> x,
-                                       std::span<const double> u);
+[[nodiscard]] NodalFields nodal_fields(const Settings& settings, const FluidMesh& mesh,
+                                       std::span<const double> x, std::span<const double> u);
 
 /// Largest |u| dt / h over the elements, h the edge of the regular tetrahedron of equal volume.
-[[nodiscard]] double largest_cfl(const FluidMesh& mesh, std::span<const double> x, std::span<const double> u, double dt);
+[[nodiscard]] double largest_cfl(const FluidMesh& mesh, std::span<const double> x, std::span<const double> u,
+                                 double dt);
 
-/// Net volume flux out of the fluid over the gross flux through its boundary; u relative to the mesh velocity.
-[[nodiscard]] double mass_imbalance(const FluidMesh& mesh, std::span<const double> x, std::span<const double> u);
+/// Net volume flux out of the fluid over the gross flux through its boundary; u relative to the mesh
+/// velocity.
+[[nodiscard]] double mass_imbalance(const FluidMesh& mesh, std::span<const double> x,
+                                    std::span<const double> u);
 
-/// Nodal tractions on the wall {nodes.size(), 3} [stress / density]: exact pressures of the nodes, viscous part and
-/// normals averaged by area over the faces of the given boundaries.
+/// Nodal tractions on the wall {nodes.size(), 3} [stress / density]: exact pressures of the nodes, viscous
+/// part and normals averaged by area over the faces of the given boundaries.
 [[nodiscard]] std::vector<double> nodal_traction(const Settings& settings, const FluidMesh& mesh,
                                                  std::span<const double> x, std::span<const double> u,
-                                                 std::span<const double> p, std::span<const std::int32_t> boundaries,
+                                                 std::span<const double> p,
+                                                 std::span<const std::int32_t> boundaries,
                                                  std::span<const std::int32_t> nodes);
 
 } // namespace drogue::fluid

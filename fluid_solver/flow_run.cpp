@@ -16,7 +16,8 @@ Result<std::unique_ptr<Case>> load(const std::filesystem::path& file, bool parti
   if (participant && (s.phases.size() != 1 || s.phases[0].formulation != Formulation::dsd_sst))
     report.error(s.source.where("phase"), "a participant needs exactly one phase, of formulation: DSD_SST");
   if (participant && s.interface.empty())
-    report.error(s.source.where("interface"), "a participant needs interface: the boundaries that the structure moves");
+    report.error(s.source.where("interface"),
+                 "a participant needs interface: the boundaries that the structure moves");
   if (s.mesh.empty() || !std::filesystem::is_regular_file(s.mesh)) return report.as_error();
   auto read = mesh::read_msh(s.mesh);
   if (!read) {
@@ -38,8 +39,12 @@ Result<std::unique_ptr<Case>> load(const std::filesystem::path& file, bool parti
 
 } // namespace
 
-Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file) { return load(file, false); }
-Result<std::unique_ptr<Case>> load_participant_case(const std::filesystem::path& file) { return load(file, true); }
+Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file) {
+  return load(file, false);
+}
+Result<std::unique_ptr<Case>> load_participant_case(const std::filesystem::path& file) {
+  return load(file, true);
+}
 
 Result<void> agree(Result<void> of_rank_0) {
   if (la::on_every_rank(la::rank() != 0 || of_rank_0.ok())) return {};

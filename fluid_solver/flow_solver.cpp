@@ -23,12 +23,16 @@ double largest_norm(std::span<const double> values, std::size_t stride) {
   return largest;
 }
 
+/// A lagged Jacobian is evaluated anew when an iteration leaves more than this part of the residual.
+constexpr double slow_reduction = 0.3;
+
 double total_volume(const FluidMesh& mesh) {
   double sum = 0; // divergence theorem: V = 1/3 int x . n
   for (const BoundaryFace& face : mesh.faces) {
     const auto a = area_vector(face, mesh.points);
     for (std::size_t d = 0; d < 3; ++d)
-      for (const std::int32_t node : face.nodes) sum += mesh.points[3 * static_cast<std::size_t>(node) + d] * a[d] / 9;
+      for (const std::int32_t node : face.nodes)
+        sum += mesh.points[3 * static_cast<std::size_t>(node) + d] * a[d] / 9;
   }
   return sum;
 }
@@ -70,12 +74,13 @@ Result<void> FlowSolver::import_state(const io::State& file) {
     const io::StateArray* array = file.find(name);
     if (array == nullptr) return false;
     if (array->values.size() != n * static_cast<std::size_t>(components))
-      return config_error("array \"{}\" of the state has {} values; {} nodes need {}", name, array->values.size(), n,
-                          n * static_cast<std::size_t>(components));
+      return config_error("array \"{}\" of the state has {} values; {} nodes need {}", name,
+                          array->values.size(), n, n * static_cast<std::size_t>(components));
     to = mesh_.reordered_from_file(array->values, components);
     return true;
   };
-  for (const auto& found : {read("velocity", 3, s.u), read("wall_velocity", 3, s.wall_velocity), read("position", 3, s.x)})
+  for (const auto& found :
+       {read("velocity", 3, s.u), read("wall_velocity", 3, s.wall_velocity), read("position", 3, s.x)})
     if (!found) return found.error();
   auto kinematic = read("kinematic_pressure", 1, s.p);
   if (!kinematic) return kinematic.error();
@@ -135,7 +140,8 @@ void FlowSolver::apply_constraints() {
   constraints_.apply(t_np1, data_.x_np1, data_.wall_np1, data_.unknowns, n, n - 4);
 }
 
-/// U: the largest speed of the step's start; in a fluid at rest what the body force or one element a step make.
+/// U: the largest speed of the step's start; in a fluid at rest what the body force or one element a step
+/// make.
 void FlowSolver::set_scale() {
   const auto n = static_cast<std::size_t>(active_->unknowns());
   const double h = std::cbrt(total_volume(mesh_) / mesh_.tet_count());
@@ -160,9 +166,17 @@ Result<double> FlowSolver::evaluate(bool jacobian) {
 
 Result<NewtonReport> FlowSolver::newton(int iterations) {
   NewtonReport report;
+  double previous = 0;
   for (int k = 0; k < iterations; ++k) {
-    const bool jacobian = updates_since_jacobian_ < 0 || updates_since_jacobian_ >= settings_.newton.jacobian_lag;
-    if (const auto norm = evaluate(jacobian); !norm) return norm.error();
+    bool jacobian = updates_since_jacobian_ < 0 || updates_since_jacobian_ >= settings_.newton.jacobian_lag;
+    auto norm = evaluate(jacobian);
+    if (!norm) return norm.error();
+    if (!jacobian && !total_.converged && k > 0 && *norm > slow_reduction * previous) {
+      jacobian = true; // the old Jacobian leads nowhere
+      norm = evaluate(jacobian);
+      if (!norm) return norm.error();
+    }
+    previous = *norm;
     if (jacobian) updates_since_jacobian_ = 0;
     if (total_.converged) break;
     const auto solved = active_->solve_and_add(data_.unknowns);

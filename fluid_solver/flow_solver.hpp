@@ -36,7 +36,8 @@ struct NewtonReport {
   bool linear_converged = true;
 };
 
-/// Steps the flow. The same object and calls on every rank; every function that returns a Result is collective.
+/// Steps the flow. The same object and calls on every rank; every function that returns a Result is
+/// collective.
 ///
 ///   begin_step -> (set_end -> newton)* -> finish -> commit, or rollback at any point after begin_step.
 ///
@@ -60,9 +61,8 @@ class FlowSolver {
   }
 
   [[nodiscard]] Result<void> begin_step(Formulation formulation, double dt);
-  /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at no-slip nodes. Not called: mesh and
-  /// walls stay at rest.
-  /// Errors (retryable): an inverted element.
+  /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at no-slip nodes. Not called:
+  /// mesh and walls stay at rest. Errors (retryable): an inverted element.
   [[nodiscard]] Result<void> set_end(std::span<const double> x_np1, std::span<const double> wall_n,
                                      std::span<const double> wall_np1);
   /// At most `iterations` Newton iterations; stops early at the settings' residual tolerance.
@@ -74,7 +74,7 @@ class FlowSolver {
 
   /// End-of-step values of the current iterate.
   [[nodiscard]] std::vector<double> velocity_np1() const;
-  [[nodiscard]] std::vector<double> pressure_np1() const; ///< kinematic
+  [[nodiscard]] std::vector<double> pressure_np1() const;  ///< kinematic
   [[nodiscard]] std::vector<double> pressure_mean() const; ///< kinematic, mean of the step
   /// @pre begin_step was called
   [[nodiscard]] const StepData& step_data() const { return data_; }

@@ -16,12 +16,14 @@
 namespace drogue::fluid {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
-/// Rows of the Laplacian int grad N_a . grad N_b. Nodes where the pressure is known (open boundaries, the pinned
-/// node) get twice the diagonal: that holds their pressure softly and makes the matrix regular.
-std::vector<double> laplacian(const FluidMesh& mesh, const VelocityConstraints& constraints, const la::RowRange& own,
-                              const la::LocalPattern& pattern) {
+/// Rows of the Laplacian int grad N_a . grad N_b. Nodes where the pressure is known (open boundaries, the
+/// pinned node) get twice the diagonal: that holds their pressure softly and makes the matrix regular.
+std::vector<double> laplacian(const FluidMesh& mesh, const VelocityConstraints& constraints,
+                              const la::RowRange& own, const la::LocalPattern& pattern) {
   std::vector<double> values(pattern.column.size(), 0.0);
   for (std::size_t e = 0; e < mesh.tets.size(); e += 4) {
     const std::int32_t* t = mesh.tets.data() + e;
@@ -100,7 +102,8 @@ class BlockFlowSystem final : public FlowSystem {
     }
     parameters_ = {dt, settings_.kinematic_viscosity(), settings_.smagorinsky, settings_.lsic};
     const double u2 = reference_speed * reference_speed;
-    schur_inverse_ = levels == 2 ? (1 / u2) * inverse(slab_schur_matrix(dt)) : Matrix2{1 / (dt * u2), 0, 0, 0};
+    schur_inverse_ =
+        levels == 2 ? (1 / u2) * inverse(slab_schur_matrix(dt)) : Matrix2{1 / (dt * u2), 0, 0, 0};
   }
 
   [[nodiscard]] Result<double> evaluate(const StepData& data, bool jacobian) override {
@@ -113,7 +116,8 @@ class BlockFlowSystem final : public FlowSystem {
     for (const Fixed& f : fixed_) rhs_[at(f.row) * n + at(f.component)] = 0;
     if (jacobian)
       if (const auto singular = la::on_every_rank(factor()); !singular)
-        return retryable_error("the flow Jacobian has a singular pivot block: the mesh or the state is unusable");
+        return retryable_error(
+            "the flow Jacobian has a singular pivot block: the mesh or the state is unusable");
     double square = 0;
     for (const double value : rhs_) square += value * value;
     const double norm = std::sqrt(la::sum_over_ranks(square));
@@ -164,7 +168,8 @@ class BlockFlowSystem final : public FlowSystem {
     for (std::size_t q = 0; q < levels; ++q) {
       for (std::size_t i = 0; i < rows(); ++i) {
         level_in_[i] = 0;
-        for (std::size_t k = 0; k < levels; ++k) level_in_[i] += schur_inverse_[2 * q + k] * defect_[levels * i + k];
+        for (std::size_t k = 0; k < levels; ++k)
+          level_in_[i] += schur_inverse_[2 * q + k] * defect_[levels * i + k];
       }
       std::fill(level_out_.begin(), level_out_.end(), 0.0);
       amg_failed_ = !amg_->apply(level_in_, level_out_) || amg_failed_;
@@ -211,7 +216,8 @@ Result<std::unique_ptr<FlowSystem>> make(const Settings& settings, const FluidMe
 } // namespace
 
 Result<std::unique_ptr<FlowSystem>> make_flow_system(Formulation formulation, const Settings& settings,
-                                                     const FluidMesh& mesh, const VelocityConstraints& constraints) {
+                                                     const FluidMesh& mesh,
+                                                     const VelocityConstraints& constraints) {
   switch (formulation) {
   case Formulation::semi_discrete:
     return make<4>(settings, mesh, constraints);

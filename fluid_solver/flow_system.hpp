@@ -16,12 +16,13 @@ namespace drogue::fluid {
 
 /// The nonlinear algebraic system of one step, distributed over the ranks: residual, Jacobian, linear solves.
 ///
-/// Scaling: continuity rows are multiplied and pressures divided by a reference speed U, so that every row is a force
-/// over density and every unknown a velocity, and norms compare like with like.
+/// Scaling: continuity rows are multiplied and pressures divided by a reference speed U, so that every row is
+/// a force over density and every unknown a velocity, and norms compare like with like.
 ///
-/// Preconditioner, z = M^-1 r: 1. z = ILU^-1 r by node blocks, block Jacobi between ranks; 2. the defect of the
-/// pressure rows s = (r - A z)_p; 3. z_p += K^-1 W^-1 s, K the Laplacian of linear elements (one AMG cycle, set up
-/// once, on the file's mesh) and W the time matrix of the pressure Schur complement S ~ K (x) W.
+/// Preconditioner, z = M^-1 r: 1. z = ILU^-1 r by node blocks, block Jacobi between ranks; 2. the defect of
+/// the pressure rows s = (r - A z)_p; 3. z_p += K^-1 W^-1 s, K the Laplacian of linear elements (one AMG
+/// cycle, set up once, on the file's mesh) and W the time matrix of the pressure Schur complement S ~ K (x)
+/// W.
 class FlowSystem {
  public:
   virtual ~FlowSystem() = default;
@@ -29,11 +30,11 @@ class FlowSystem {
   [[nodiscard]] virtual int unknowns() const = 0;
   /// Sets dt and U. The Jacobian must be evaluated afterwards.
   virtual void begin_step(double dt, double reference_speed) = 0;
-  /// Residual (and Jacobian with its factorisation) at data.unknowns, which must satisfy the constraints. Returns the
-  /// scaled norm over the free rows. @note Collective
+  /// Residual (and Jacobian with its factorisation) at data.unknowns, which must satisfy the constraints.
+  /// Returns the scaled norm over the free rows. @note Collective
   [[nodiscard]] virtual Result<double> evaluate(const StepData& data, bool jacobian) = 0;
-  /// Unscaled residual of the last evaluate, constrained rows included, own rows {rows, unknowns}: there it is the
-  /// reaction of the boundary.
+  /// Unscaled residual of the last evaluate, constrained rows included, own rows {rows, unknowns}: there it
+  /// is the reaction of the boundary.
   [[nodiscard]] virtual std::span<const double> residual() const = 0;
   [[nodiscard]] virtual la::RowRange own_rows() const = 0;
   /// Solves J dw = -residual and adds dw to `unknowns`, on every rank. @note Collective
@@ -41,7 +42,8 @@ class FlowSystem {
 };
 
 /// @note Collective
-[[nodiscard]] Result<std::unique_ptr<FlowSystem>> make_flow_system(Formulation formulation, const Settings& settings,
+[[nodiscard]] Result<std::unique_ptr<FlowSystem>> make_flow_system(Formulation formulation,
+                                                                   const Settings& settings,
                                                                    const FluidMesh& mesh,
                                                                    const VelocityConstraints& constraints);
 

@@ -11,14 +11,18 @@ namespace {
 using mesh::ElementBlock;
 using mesh::ElementKind;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 double volume(std::span<const double> x, const std::int32_t* t) {
   double e[3][3];
   for (int k = 0; k < 3; ++k)
     for (std::size_t d = 0; d < 3; ++d) e[k][d] = x[3 * at(t[k + 1]) + d] - x[3 * at(t[0]) + d];
-  return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) / 6;
+  return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+          e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+         6;
 }
 
 /// Faces of a tetrahedron of positive volume, normals outward.
@@ -58,14 +62,16 @@ std::vector<FaceKey> outer_faces(std::span<const std::int32_t> tets) {
   return outer;
 }
 
-/// Collects the tetrahedra of the file, renumbered, turned to positive volume and sorted by their smallest nodes.
+/// Collects the tetrahedra of the file, renumbered, turned to positive volume and sorted by their smallest
+/// nodes.
 Result<void> collect_tets(FluidMesh& m) {
   std::vector<std::array<std::int32_t, 4>> tets;
   for (const ElementBlock& block : m.file.blocks) {
     if (block.kind == ElementKind::tri3 || mesh::dimension(block.kind) < 2) continue;
     if (block.kind != ElementKind::tet4)
-      return config_error("group \"{}\" has elements of the kind {}; the fluid takes tetrahedra and 3-node triangles",
-                          block.group, mesh::name(block.kind));
+      return config_error(
+          "group \"{}\" has elements of the kind {}; the fluid takes tetrahedra and 3-node triangles",
+          block.group, mesh::name(block.kind));
     for (std::int32_t e = 0; e < block.count(); ++e) {
       std::array<std::int32_t, 4> t{};
       std::copy_n(block.element(e).begin(), 4, t.begin());
@@ -101,13 +107,16 @@ Result<void> collect_faces(FluidMesh& m) {
     if (known == m.boundaries.end()) m.boundaries.push_back(block.group);
     for (std::int32_t e = 0; e < block.count(); ++e) {
       const auto nodes = block.element(e);
-      const auto key = sorted({m.from_file[at(nodes[0])], m.from_file[at(nodes[1])], m.from_file[at(nodes[2])]});
+      const auto key =
+          sorted({m.from_file[at(nodes[0])], m.from_file[at(nodes[1])], m.from_file[at(nodes[2])]});
       const auto found = std::lower_bound(outer.begin(), outer.end(), key,
                                           [](const FaceKey& f, const auto& k) { return f.sorted < k; });
       if (found == outer.end() || found->sorted != key)
-        return config_error("triangle {} of boundary \"{}\" is not the face of exactly one tetrahedron", e, block.group);
+        return config_error("triangle {} of boundary \"{}\" is not the face of exactly one tetrahedron", e,
+                            block.group);
       const auto index = static_cast<std::size_t>(found - outer.begin());
-      if (named[index]) return config_error("triangle {} of boundary \"{}\" stands in the mesh twice", e, block.group);
+      if (named[index])
+        return config_error("triangle {} of boundary \"{}\" stands in the mesh twice", e, block.group);
       named[index] = 1;
       BoundaryFace face{{}, found->tet, boundary};
       for (std::size_t k = 0; k < 3; ++k)
@@ -116,7 +125,8 @@ Result<void> collect_faces(FluidMesh& m) {
     }
   }
   const auto missing = std::count(named.begin(), named.end(), 0);
-  if (missing > 0) return config_error("{} faces of the fluid's boundary belong to no named group of triangles", missing);
+  if (missing > 0)
+    return config_error("{} faces of the fluid's boundary belong to no named group of triangles", missing);
   return {};
 }
 
@@ -163,13 +173,15 @@ std::array<double, 3> area_vector(const BoundaryFace& face, std::span<const doub
   const double* c = points.data() + 3 * at(face.nodes[2]);
   const double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   const double f[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  return {0.5 * (e[1] * f[2] - e[2] * f[1]), 0.5 * (e[2] * f[0] - e[0] * f[2]), 0.5 * (e[0] * f[1] - e[1] * f[0])};
+  return {0.5 * (e[1] * f[2] - e[2] * f[1]), 0.5 * (e[2] * f[0] - e[0] * f[2]),
+          0.5 * (e[0] * f[1] - e[1] * f[0])};
 }
 
 double smallest_volume_ratio(const FluidMesh& mesh, std::span<const double> points) {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t e = 0; e < mesh.tets.size(); e += 4)
-    smallest = std::min(smallest, volume(points, mesh.tets.data() + e) / volume(mesh.points, mesh.tets.data() + e));
+    smallest =
+        std::min(smallest, volume(points, mesh.tets.data() + e) / volume(mesh.points, mesh.tets.data() + e));
   return smallest;
 }
 

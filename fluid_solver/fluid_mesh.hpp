@@ -20,21 +20,23 @@ struct BoundaryFace {
   std::int32_t boundary = 0; ///< index into FluidMesh::boundaries
 };
 
-/// The fluid's mesh as the solver uses it: nodes in reverse Cuthill-McKee order, tetrahedra with positive volume in
-/// the order of their nodes. Files and the coupler keep the file's node order; the two functions translate.
+/// The fluid's mesh as the solver uses it: nodes in reverse Cuthill-McKee order, tetrahedra with positive
+/// volume in the order of their nodes. Files and the coupler keep the file's node order; the two functions
+/// translate.
 struct FluidMesh {
   mesh::Mesh file;
   std::string hash;
   std::vector<std::int32_t> to_file; ///< node -> node of the file
   std::vector<std::int32_t> from_file;
-  std::vector<double> points; ///< {n, 3}
+  std::vector<double> points;     ///< {n, 3}
   std::vector<std::int32_t> tets; ///< {m, 4}
   std::vector<std::string> boundaries;
   std::vector<BoundaryFace> faces;
   la::NodeGraph graph;
 
-  /// Errors (ErrorKind::config): no tetrahedra, an element kind that the solver does not know, a flat tetrahedron, a
-  /// boundary triangle that is not a face of exactly one tetrahedron, an outer face without a boundary group.
+  /// Errors (ErrorKind::config): no tetrahedra, an element kind that the solver does not know, a flat
+  /// tetrahedron, a boundary triangle that is not a face of exactly one tetrahedron, an outer face without a
+  /// boundary group.
   [[nodiscard]] static Result<FluidMesh> create(mesh::Mesh mesh);
 
   [[nodiscard]] std::int32_t node_count() const { return static_cast<std::int32_t>(to_file.size()); }

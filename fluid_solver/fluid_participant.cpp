@@ -11,11 +11,14 @@ namespace {
 
 using v1::FieldContract;
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 std::vector<double> rows(std::span<const double> values, std::span<const std::int32_t> nodes) {
   std::vector<double> out;
-  for (const std::int32_t node : nodes) out.insert(out.end(), values.begin() + 3 * node, values.begin() + 3 * node + 3);
+  for (const std::int32_t node : nodes)
+    out.insert(out.end(), values.begin() + 3 * node, values.begin() + 3 * node + 3);
   return out;
 }
 
@@ -71,7 +74,8 @@ Result<participant::InterfaceMesh> FluidParticipant::initialize() {
   for (const BoundaryFace& face : mesh.faces) {
     if (std::find(boundaries.begin(), boundaries.end(), face.boundary) == boundaries.end()) continue;
     for (const std::int32_t node : face.nodes)
-      m.triangles.push_back(std::lower_bound(nodes.begin(), nodes.end(), mesh.to_file[at(node)]) - nodes.begin());
+      m.triangles.push_back(std::lower_bound(nodes.begin(), nodes.end(), mesh.to_file[at(node)]) -
+                            nodes.begin());
   }
   m.mesh_nodes.assign(nodes.begin(), nodes.end());
   m.mesh_node_count = at(mesh.node_count());
@@ -92,19 +96,23 @@ Result<participant::IterationReport> FluidParticipant::iterate(const participant
     const std::vector<double>& values = inputs.at(name).values;
     numbers.insert(numbers.end(), values.begin(), values.end());
   }
-  if (start != inputs.end()) numbers.insert(numbers.end(), start->second.values.begin(), start->second.values.end());
+  if (start != inputs.end())
+    numbers.insert(numbers.end(), start->second.values.begin(), start->second.values.end());
   DROGUE_TRY(order(Order::Kind::iterate, std::move(numbers)));
   const bool pressure = input_.settings.interface_load == InterfaceLoad::pressure;
   outputs[pressure ? "pressure" : "traction"] = array(flow_.load(), pressure ? 1 : 3);
   outputs["mean_pressure"] = array(flow_.mean_pressure(), 1);
   const NewtonReport& report = flow_.last_report();
-  return participant::IterationReport{static_cast<std::uint32_t>(report.iterations), report.residual, report.converged};
+  return participant::IterationReport{static_cast<std::uint32_t>(report.iterations), report.residual,
+                                      report.converged};
 }
 
 Result<void> FluidParticipant::commit(bool write_output) {
   return order(Order::Kind::commit, {write_output ? 1.0 : 0.0});
 }
-Result<void> FluidParticipant::rollback() { return order(Order::Kind::rollback); }
+Result<void> FluidParticipant::rollback() {
+  return order(Order::Kind::rollback);
+}
 Result<void> FluidParticipant::checkpoint(const std::filesystem::path& directory) {
   return order(Order::Kind::checkpoint, {}, directory.string());
 }

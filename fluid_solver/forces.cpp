@@ -8,7 +8,8 @@
 
 namespace drogue::fluid {
 
-std::vector<SurfaceForce> surface_forces(const Settings& settings, const FluidMesh& mesh, const FlowSolver& solver) {
+std::vector<SurfaceForce> surface_forces(const Settings& settings, const FluidMesh& mesh,
+                                         const FlowSolver& solver) {
   const std::vector<double> u = solver.velocity_np1();
   const std::vector<double> p = solver.pressure_np1();
   const StepData& data = solver.step_data();
@@ -32,7 +33,8 @@ std::vector<SurfaceForce> surface_forces(const Settings& settings, const FluidMe
       if (!own.has(node)) continue;
       for (std::size_t q = 0; q < n; q += 4)
         for (std::size_t d = 0; d < 3; ++d)
-          force.reaction[d] -= settings.density * per_time * residual[static_cast<std::size_t>(node - own.first) * n + q + d];
+          force.reaction[d] -=
+              settings.density * per_time * residual[static_cast<std::size_t>(node - own.first) * n + q + d];
     }
     la::sum_over_ranks(force.reaction.data(), 3);
     forces.push_back(force);

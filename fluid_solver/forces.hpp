@@ -11,9 +11,9 @@ namespace drogue::fluid {
 
 /// Force of the fluid on a group of boundaries [force].
 struct SurfaceForce {
-  /// Minus the sum of the momentum residual over the boundaries' nodes: what the weak form itself exerts. Of a
-  /// DSD/SST step it is the mean of the slab, inertia of the wall layer included; it rings where the end-of-slab
-  /// pressure is smooth.
+  /// Minus the sum of the momentum residual over the boundaries' nodes: what the weak form itself exerts. Of
+  /// a DSD/SST step it is the mean of the slab, inertia of the wall layer included; it rings where the
+  /// end-of-slab pressure is smooth.
   std::array<double, 3> reaction{};
   std::array<double, 3> pressure{}; ///< integral of p n at t_{n+1}
   std::array<double, 3> viscous{};  ///< integral of the viscous traction at t_{n+1}

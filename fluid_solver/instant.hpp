@@ -4,8 +4,8 @@
 #include "fluid_solver/stabilisation.hpp"
 #include "fluid_solver/tet_geometry.hpp"
 
-/// The stabilised flow equations on one linear tetrahedron at one instant: what the semi-discrete element and the
-/// two time points of the space-time element share.
+/// The stabilised flow equations on one linear tetrahedron at one instant: what the semi-discrete element and
+/// the two time points of the space-time element share.
 ///
 /// Strong form (per mass; p is the kinematic pressure, pressure over density):
 ///   r = du/dt|_mesh + c . grad u + grad p - div(2 nu S) - f = 0,   div u = 0,   c = u - mesh velocity
@@ -39,19 +39,19 @@ struct Instant {
   TetGeometry<Real> geometry;
   Coefficients<Real> k;
   Real grad_u[3][3];
-  Real weight;    ///< volume times the quadrature weight in time
-  Real r_mass[4][3];   ///< int N_a r [weighted]
-  Real c_mean[3];      ///< centroid value of c
-  Real advect[4][4];   ///< int N_a c . grad N_b [weighted]
-  Real cc[3][3];       ///< int c_i c_j [weighted]
+  Real weight;       ///< volume times the quadrature weight in time
+  Real r_mass[4][3]; ///< int N_a r [weighted]
+  Real c_mean[3];    ///< centroid value of c
+  Real advect[4][4]; ///< int N_a c . grad N_b [weighted]
+  Real cc[3][3];     ///< int c_i c_j [weighted]
 
-  Real momentum[4][3]; ///< F
-  Real continuity[4];  ///< C
+  Real momentum[4][3];  ///< F
+  Real continuity[4];   ///< C
   Real time_test[4][3]; ///< Ft
 };
 
-/// Evaluates geometry-dependent integrals and the three residuals of the element. `rule(point, geometry, c, grad_u)`
-/// gives the coefficients. weight_in_time: 1, or the Gauss weight times dt.
+/// Evaluates geometry-dependent integrals and the three residuals of the element. `rule(point, geometry, c,
+/// grad_u)` gives the coefficients. weight_in_time: 1, or the Gauss weight times dt.
 template <class Real, class Rule>
 inline void evaluate_instant(const Real x[4][3], const InstantValues<Real>& v, double weight_in_time,
                              const Rule& rule, int point, Instant<Real>& s) noexcept {
@@ -76,8 +76,8 @@ inline void evaluate_instant(const Real x[4][3], const InstantValues<Real>& v, d
   Real inertia_sum[3] = {Real{}, Real{}, Real{}};
   for (int a = 0; a < 4; ++a)
     for (int d = 0; d < 3; ++d) {
-      inertia[a][d] = v.a[a][d] + v.c[a][0] * s.grad_u[d][0] + v.c[a][1] * s.grad_u[d][1] +
-                      v.c[a][2] * s.grad_u[d][2];
+      inertia[a][d] =
+          v.a[a][d] + v.c[a][0] * s.grad_u[d][0] + v.c[a][1] * s.grad_u[d][1] + v.c[a][2] * s.grad_u[d][2];
       inertia_sum[d] += inertia[a][d];
     }
   Real c_r[3][3]; // int c_k r_d
@@ -114,8 +114,8 @@ inline void evaluate_instant(const Real x[4][3], const InstantValues<Real>& v, d
   }
 }
 
-/// Derivatives of F_a, C_a and Ft_a with respect to node b's velocity u_j, its time derivative and its pressure at
-/// the instant. A derivative that is a multiple of the identity is stored as that multiple.
+/// Derivatives of F_a, C_a and Ft_a with respect to node b's velocity u_j, its time derivative and its
+/// pressure at the instant. A derivative that is a multiple of the identity is stored as that multiple.
 template <class Real>
 struct InstantTangent {
   Real momentum_u[3][3];   ///< dF_i/du_j

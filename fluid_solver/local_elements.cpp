@@ -4,7 +4,8 @@
 
 namespace drogue::fluid {
 
-LocalElements::LocalElements(const FluidMesh& mesh, const la::RowRange& own, const la::LocalPattern& pattern) {
+LocalElements::LocalElements(const FluidMesh& mesh, const la::RowRange& own,
+                             const la::LocalPattern& pattern) {
   const auto append = [&](const std::int32_t* t, bool active) {
     for (int a = 0; a < 4; ++a) {
       node.push_back(t[a]);

@@ -23,7 +23,9 @@ int main(int argc, char** argv) {
   }
   start_log("fluid_solver");
   const auto session = la::Session::start(); // outlives every solver
-  const auto done = !session ? Result<void>(session.error()) : check->parsed() ? fluid::check(file) : fluid::run(file, endpoint);
+  const auto done = !session          ? Result<void>(session.error())
+                    : check->parsed() ? fluid::check(file)
+                                      : fluid::run(file, endpoint);
   if (done) return 0;
   if (!session || la::rank() == 0) fmt::print(stderr, "{}\n", done.error().message);
   return exit_status(done.error());

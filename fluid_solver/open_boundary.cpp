@@ -9,7 +9,9 @@
 namespace drogue::fluid {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 /// Mid-side points: degree 2.
 constexpr double points[3][3] = {{0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}};
@@ -31,7 +33,8 @@ OpenBoundary::OpenBoundary(const Settings& settings, const FluidMesh& mesh, cons
     });
     if (!found->is_open()) continue;
     if (found->condition == Condition::traction_free && found->backflow == 0) continue;
-    if (std::none_of(face.nodes.begin(), face.nodes.end(), [&](std::int32_t i) { return own.has(i); })) continue;
+    if (std::none_of(face.nodes.begin(), face.nodes.end(), [&](std::int32_t i) { return own.has(i); }))
+      continue;
     Face f{face, static_cast<std::int32_t>(found - boundaries_.begin()), {}, {}};
     for (std::size_t a = 0; a < 3; ++a) {
       f.row[a] = own.has(face.nodes[a]) ? face.nodes[a] - own.first : -1;
@@ -114,8 +117,8 @@ void OpenBoundary::add(const StepData& data, std::span<const double, n> scale, s
               for (int j = 0; j < 3; ++j)
                 for (int i = 0; i < 3; ++i)
                   block[n * (4 * be + j) + 4 * al + i] +=
-                      static_cast<float>(weight * T[al] * T[be] * scale[at(4 * al + i)] * scale[at(4 * be + j)] *
-                                         terms.tangent[a][c][i][j]);
+                      static_cast<float>(weight * T[al] * T[be] * scale[at(4 * al + i)] *
+                                         scale[at(4 * be + j)] * terms.tangent[a][c][i][j]);
         }
       }
     }

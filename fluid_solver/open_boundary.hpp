@@ -12,8 +12,9 @@
 
 /// Terms on boundaries whose traction is given (zero or not):
 ///   F_a = - int_Gamma N_a t / rho  -  beta int_Gamma N_a min((u - mesh velocity) . n, 0) u
-/// t: prescribed traction [stress]; beta: backflow factor, 1/2 cancels the kinetic energy that inflow through an open
-/// boundary brings in [bazilevs2009]. Three-point quadrature; nothing is held constant in the tangent.
+/// t: prescribed traction [stress]; beta: backflow factor, 1/2 cancels the kinetic energy that inflow through
+/// an open boundary brings in [bazilevs2009]. Three-point quadrature; nothing is held constant in the
+/// tangent.
 namespace drogue::fluid {
 
 class OpenBoundary {
@@ -29,12 +30,13 @@ class OpenBoundary {
  private:
   struct Face {
     BoundaryFace face;
-    std::int32_t boundary = 0;   ///< index into boundaries_
-    std::int32_t row[3] = {};    ///< own row, or -1
+    std::int32_t boundary = 0;     ///< index into boundaries_
+    std::int32_t row[3] = {};      ///< own row, or -1
     std::int32_t entry[3][3] = {}; ///< position in the pattern, or -1
   };
   struct Terms;
-  [[nodiscard]] Terms evaluate(const Face& face, const StepData& data, std::size_t unknowns, double theta) const;
+  [[nodiscard]] Terms evaluate(const Face& face, const StepData& data, std::size_t unknowns,
+                               double theta) const;
 
   std::vector<BoundarySettings> boundaries_;
   std::vector<Face> faces_;

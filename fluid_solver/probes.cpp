@@ -24,7 +24,8 @@ Result<Probes> Probes::create(const Settings& settings, const FluidMesh& mesh) {
       for (std::size_t a = 0; a < 4; ++a) {
         place.weight[a] = 0.25;
         for (std::size_t d = 0; d < 3; ++d)
-          place.weight[a] += g.gradient[a][d] * (probe.position[d] - 0.25 * (x[0][d] + x[1][d] + x[2][d] + x[3][d]));
+          place.weight[a] +=
+              g.gradient[a][d] * (probe.position[d] - 0.25 * (x[0][d] + x[1][d] + x[2][d] + x[3][d]));
       }
       const double smallest = *std::min_element(place.weight.begin(), place.weight.end());
       if (smallest > best_weight) {
@@ -33,14 +34,15 @@ Result<Probes> Probes::create(const Settings& settings, const FluidMesh& mesh) {
       }
     }
     if (best_weight < -1e-9)
-      return config_error("probe \"{}\" at ({}, {}, {}) lies outside the fluid", probe.name, probe.position[0],
-                          probe.position[1], probe.position[2]);
+      return config_error("probe \"{}\" at ({}, {}, {}) lies outside the fluid", probe.name,
+                          probe.position[0], probe.position[1], probe.position[2]);
     probes.places_.push_back(best);
   }
   return probes;
 }
 
-std::vector<double> Probes::values(std::span<const double> u, std::span<const double> p, double density) const {
+std::vector<double> Probes::values(std::span<const double> u, std::span<const double> p,
+                                   double density) const {
   std::vector<double> out;
   for (const Place& place : places_) {
     double v[4] = {};

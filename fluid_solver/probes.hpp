@@ -18,7 +18,8 @@ class Probes {
   /// Errors (ErrorKind::config): a point outside the fluid.
   [[nodiscard]] static Result<Probes> create(const Settings& settings, const FluidMesh& mesh);
   /// u_x, u_y, u_z, p of each probe; p {n} multiplied by density.
-  [[nodiscard]] std::vector<double> values(std::span<const double> u, std::span<const double> p, double density) const;
+  [[nodiscard]] std::vector<double> values(std::span<const double> u, std::span<const double> p,
+                                           double density) const;
 
  private:
   struct Place {

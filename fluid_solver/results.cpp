@@ -12,9 +12,11 @@ std::vector<std::string> force_columns(const Settings& settings) {
   std::vector<std::string> columns{"time"};
   for (const ForceSettings& force : settings.forces) {
     for (const char* part : {"pressure", "viscous", "reaction"})
-      for (const char* axis : {"x", "y", "z"}) columns.push_back(fmt::format("{}_{}_{}", force.name, part, axis));
+      for (const char* axis : {"x", "y", "z"})
+        columns.push_back(fmt::format("{}_{}_{}", force.name, part, axis));
     if (force.reference_force > 0)
-      for (const char* axis : {"x", "y", "z"}) columns.push_back(fmt::format("{}_coefficient_{}", force.name, axis));
+      for (const char* axis : {"x", "y", "z"})
+        columns.push_back(fmt::format("{}_coefficient_{}", force.name, axis));
   }
   return columns;
 }
@@ -22,7 +24,8 @@ std::vector<std::string> force_columns(const Settings& settings) {
 std::vector<std::string> probe_columns(const Settings& settings) {
   std::vector<std::string> columns{"time"};
   for (const ProbeSettings& probe : settings.probes)
-    for (const char* value : {"u_x", "u_y", "u_z", "p"}) columns.push_back(fmt::format("{}_{}", probe.name, value));
+    for (const char* value : {"u_x", "u_y", "u_z", "p"})
+      columns.push_back(fmt::format("{}_{}", probe.name, value));
   return columns;
 }
 
@@ -36,9 +39,9 @@ Result<Results> Results::create(const Settings& settings, const FluidMesh& mesh,
   Results results(settings, mesh);
   results.directory_ = directory;
   results.collection_ = io::PvdCollection(directory / "fluid.pvd");
-  auto flow = io::CsvWriter::create(directory / "flow.csv",
-                                    {"step", "time", "newton_iterations", "residual", "gmres_iterations", "max_cfl",
-                                     "mass_imbalance"});
+  auto flow =
+      io::CsvWriter::create(directory / "flow.csv", {"step", "time", "newton_iterations", "residual",
+                                                     "gmres_iterations", "max_cfl", "mass_imbalance"});
   if (!flow) return flow.error();
   results.flow_ = std::move(*flow);
   auto forces = io::CsvWriter::create(directory / "forces.csv", force_columns(settings));
@@ -57,8 +60,8 @@ Result<Results> Results::create(const Settings& settings, const FluidMesh& mesh,
 
 void Results::write_series(const FlowState& state, const StepFigures& f) {
   if (state.step % static_cast<std::uint64_t>(settings_->output.series_interval) != 0) return;
-  flow_.row({static_cast<double>(state.step), state.time, static_cast<double>(f.newton.iterations), f.newton.residual,
-             static_cast<double>(f.newton.linear_iterations), f.cfl, f.mass_imbalance});
+  flow_.row({static_cast<double>(state.step), state.time, static_cast<double>(f.newton.iterations),
+             f.newton.residual, static_cast<double>(f.newton.linear_iterations), f.cfl, f.mass_imbalance});
   std::vector<double> row{state.time};
   for (std::size_t i = 0; i < f.forces.size(); ++i) {
     const SurfaceForce& force = f.forces[i];
@@ -95,8 +98,11 @@ Result<void> Results::write_fields(const FlowState& state, bool force) {
   data.points = points;
   for (const mesh::ElementBlock& block : mesh_->file.blocks)
     if (block.kind == mesh::ElementKind::tet4) data.blocks.push_back(&block);
-  data.point_data = {{"velocity", 3, u}, {"pressure", 1, p},       {"vorticity", 3, vorticity},
-                     {"Q", 1, q},        {"eddy_viscosity", 1, eddy}};
+  data.point_data = {{"velocity", 3, u},
+                     {"pressure", 1, p},
+                     {"vorticity", 3, vorticity},
+                     {"Q", 1, q},
+                     {"eddy_viscosity", 1, eddy}};
   const std::filesystem::path file = directory_ / fmt::format("fluid_{:06}.vtu", state.step);
   DROGUE_TRY(io::write_vtu(file, data));
   last_field_step_ = state.step;

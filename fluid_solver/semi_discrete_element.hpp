@@ -3,8 +3,8 @@
 
 #include "fluid_solver/instant.hpp"
 
-/// Stabilised P1 tetrahedron on a fixed mesh, backward Euler in time: 4 unknowns a node [u_x u_y u_z p] at t_{n+1}.
-/// Terms and references: instant.hpp, with du/dt = (u_{n+1} - u_n)/dt.
+/// Stabilised P1 tetrahedron on a fixed mesh, backward Euler in time: 4 unknowns a node [u_x u_y u_z p] at
+/// t_{n+1}. Terms and references: instant.hpp, with du/dt = (u_{n+1} - u_n)/dt.
 namespace drogue::fluid {
 
 template <class Real>
@@ -15,8 +15,8 @@ struct SemiDiscreteValues {
   Real w[4][4];   ///< unknowns
 };
 
-/// residual[a] = (F_a, C_a); with `tangent`, calls sink(a, b, block) for the 16 node pairs, block[4 j + i] the
-/// derivative of residual[a][i] with respect to w[b][j].
+/// residual[a] = (F_a, C_a); with `tangent`, calls sink(a, b, block) for the 16 node pairs, block[4 j + i]
+/// the derivative of residual[a][i] with respect to w[b][j].
 template <bool tangent, class Real, class Rule, class Sink>
 inline void semi_discrete_element(const SemiDiscreteValues<Real>& in, double dt, const Rule& rule,
                                   Real residual[4][4], Sink&& sink) noexcept {

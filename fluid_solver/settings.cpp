@@ -27,7 +27,8 @@ std::array<bool, 3> components(const std::string& text, const std::string& where
     if (c >= 'x' && c <= 'z')
       held[static_cast<std::size_t>(c - 'x')] = true;
     else
-      report.error(where, fmt::format("components is \"{}\"; only the letters x, y and z may stand in it", text));
+      report.error(where,
+                   fmt::format("components is \"{}\"; only the letters x, y and z may stand in it", text));
   }
   if (text.empty()) report.error(where, "components is empty; give any of x, y, z, for example \"xyz\"");
   return held;
@@ -58,8 +59,10 @@ BoundarySettings boundary(const v1::FluidBoundary& m, const std::string& path, c
     b.value = expression(m.traction());
     break;
   case v1::FluidBoundary::CONDITION_NOT_SET:
-    report.error(source.where(path), fmt::format("boundary \"{}\" has no condition; give one of velocity, no_slip, "
-                                                 "free_slip, traction_free, traction", m.name()));
+    report.error(source.where(path),
+                 fmt::format("boundary \"{}\" has no condition; give one of velocity, no_slip, "
+                             "free_slip, traction_free, traction",
+                             m.name()));
     break;
   }
   return b;
@@ -71,16 +74,18 @@ void load_boundaries(const v1::FluidConfig& m, Settings& s, config::Report& repo
     const std::string path = fmt::format("boundary[{}]", i);
     s.boundaries.push_back(boundary(m.boundary(i), path, s.source, report));
     if (!names.insert(m.boundary(i).name()).second)
-      report.error(s.source.where(path + ".name"),
-                   fmt::format("boundary \"{}\" is given twice; name every boundary once", m.boundary(i).name()));
+      report.error(
+          s.source.where(path + ".name"),
+          fmt::format("boundary \"{}\" is given twice; name every boundary once", m.boundary(i).name()));
   }
   for (int i = 0; i < m.interface_size(); ++i) {
     s.interface.push_back(m.interface(i));
     const auto found = std::find_if(s.boundaries.begin(), s.boundaries.end(),
                                     [&](const BoundarySettings& b) { return b.name == m.interface(i); });
     if (found != s.boundaries.end() && found->condition != Condition::no_slip)
-      report.error(s.source.where(fmt::format("interface[{}]", i)),
-                   fmt::format("interface \"{}\" must be a no_slip boundary: the structure moves it", m.interface(i)));
+      report.error(
+          s.source.where(fmt::format("interface[{}]", i)),
+          fmt::format("interface \"{}\" must be a no_slip boundary: the structure moves it", m.interface(i)));
   }
 }
 
@@ -104,10 +109,12 @@ void load_forces(const v1::FluidConfig& m, Settings& s, config::Report& report) 
   for (int i = 0; i < m.force_size(); ++i) {
     const v1::ForceReport& f = m.force(i);
     if (f.has_reference_area() != f.has_reference_speed())
-      report.error(s.source.where(fmt::format("force[{}]", i)),
-                   fmt::format("force \"{}\": give both reference_area and reference_speed, or neither", f.name()));
+      report.error(
+          s.source.where(fmt::format("force[{}]", i)),
+          fmt::format("force \"{}\": give both reference_area and reference_speed, or neither", f.name()));
     const double speed = f.reference_speed();
-    s.forces.push_back({f.name(), {f.boundary().begin(), f.boundary().end()},
+    s.forces.push_back({f.name(),
+                        {f.boundary().begin(), f.boundary().end()},
                         0.5 * s.density * speed * speed * f.reference_area()});
   }
 }

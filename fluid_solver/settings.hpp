@@ -63,7 +63,8 @@ struct OutputSettings {
   int series_interval = 1;
 };
 
-/// A validated config. Names of groups are checked against the mesh by check_against_mesh (boundary_conditions.hpp).
+/// A validated config. Names of groups are checked against the mesh by check_against_mesh
+/// (boundary_conditions.hpp).
 struct Settings {
   config::Source source;
   std::filesystem::path mesh;

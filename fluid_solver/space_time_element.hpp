@@ -3,16 +3,17 @@
 
 #include "fluid_solver/instant.hpp"
 
-/// DSD/SST: P1 tetrahedron in space times linear, discontinuous in time, on the slab between the mesh at t_n and
-/// the mesh at t_{n+1} [tezduyar1992], [stein2001]. 8 unknowns a node: (u, p) at t_n^+ and (u, p) at t_{n+1}^-.
+/// DSD/SST: P1 tetrahedron in space times linear, discontinuous in time, on the slab between the mesh at t_n
+/// and the mesh at t_{n+1} [tezduyar1992], [stein2001]. 8 unknowns a node: (u, p) at t_n^+ and (u, p) at
+/// t_{n+1}^-.
 ///
-/// Test functions N_a(x, t) T_al(t), al = 0, 1, T_0 = 1 - theta, T_1 = theta. The nodes move with the mesh, so
-/// d(N_a T_al)/dt + u . grad(N_a T_al) = N_a T_al' + T_al c . grad N_a, and du/dt following the mesh is
+/// Test functions N_a(x, t) T_al(t), al = 0, 1, T_0 = 1 - theta, T_1 = theta. The nodes move with the mesh,
+/// so d(N_a T_al)/dt + u . grad(N_a T_al) = N_a T_al' + T_al c . grad N_a, and du/dt following the mesh is
 /// (u_{n+1} - u_n)/dt nodewise. With F, C, Ft of instant.hpp:
 ///   R_(a,al)^u = int_dt (T_al F_a + T_al' Ft_a) dt  +  delta_al0 int_{Omega(t_n)} N_a (u_n^+ - u_n^-)
 ///   R_(a,al)^p = int_dt T_al C_a dt
-/// Two Gauss points in time; space integrals are exact at each. The moving mesh enters through the geometry and
-/// through c alone: fields linear in x stay exact on any moving mesh.
+/// Two Gauss points in time; space integrals are exact at each. The moving mesh enters through the geometry
+/// and through c alone: fields linear in x stay exact on any moving mesh.
 namespace drogue::fluid {
 
 template <class Real>
@@ -48,7 +49,8 @@ inline void values_in_slab(const SpaceTimeValues<Real>& in, double theta, double
 
 /// Adds one time point's share of the 8 x 8 tangent block (column-major).
 template <class Real>
-inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double dt, Real block[64]) noexcept {
+inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double dt,
+                             Real block[64]) noexcept {
   const double T[2] = {1.0 - theta, theta};
   const double D[2] = {-1.0 / dt, 1.0 / dt};
   for (int be = 0; be < 2; ++be)
@@ -68,11 +70,11 @@ inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double
     }
 }
 
-/// residual[a] = (R_(a,0)^u, R_(a,0)^p, R_(a,1)^u, R_(a,1)^p); with `tangent`, calls sink(a, b, block) for the 16
-/// node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
+/// residual[a] = (R_(a,0)^u, R_(a,0)^p, R_(a,1)^u, R_(a,1)^p); with `tangent`, calls sink(a, b, block) for
+/// the 16 node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
 template <bool tangent, class Real, class Rule, class Sink>
-inline void space_time_element(const SpaceTimeValues<Real>& in, double dt, const Rule& rule, Real residual[4][8],
-                               Sink&& sink) noexcept {
+inline void space_time_element(const SpaceTimeValues<Real>& in, double dt, const Rule& rule,
+                               Real residual[4][8], Sink&& sink) noexcept {
   const Real jump_V20 = 0.05 * tet_geometry(in.x_n).volume;
   for (int d = 0; d < 3; ++d) {
     Real jump[4];

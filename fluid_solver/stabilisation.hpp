@@ -42,8 +42,8 @@ template <class Real>
   return length * length * square_root(twice_s_s);
 }
 
-/// Stabilisation parameters after [tezduyar2003], UGN form, with c the advecting velocity (relative to the mesh)
-/// at the centroid:
+/// Stabilisation parameters after [tezduyar2003], UGN form, with c the advecting velocity (relative to the
+/// mesh) at the centroid:
 ///   tau      = ((sum_a |c . grad N_a|)^2 + (2/dt)^2 + (4 nu / h^2)^2)^(-1/2)
 ///   h_ugn    = 2 |c| / sum_a |c . grad N_a|
 ///   tau_lsic = 1/2 h_ugn |c| min(1, Re/3),   Re = |c| h_ugn / (2 nu)

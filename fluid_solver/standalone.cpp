@@ -52,18 +52,20 @@ class Progress {
   void step(const FlowState& state, const StepFigures& f, const Settings& settings) {
     ++done_;
     const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    std::string line = fmt::format("step {}/{} t {:.5g}  newton {} residual {:.1e}{}  gmres {}{}  cfl {:.2f}", done_,
-                                   steps_, state.time, f.newton.iterations, f.newton.residual,
+    std::string line = fmt::format("step {}/{} t {:.5g}  newton {} residual {:.1e}{}  gmres {}{}  cfl {:.2f}",
+                                   done_, steps_, state.time, f.newton.iterations, f.newton.residual,
                                    f.newton.converged ? "" : " (not converged)", f.newton.linear_iterations,
                                    f.newton.linear_converged ? "" : " (not converged)", f.cfl);
     for (std::size_t i = 0; i < f.forces.size() && i < 2; ++i) {
       const auto& force = f.forces[i];
       const double scale = settings.forces[i].reference_force > 0 ? settings.forces[i].reference_force : 1;
       line += fmt::format("  {} ({:.3f}, {:.3f}, {:.3f})", settings.forces[i].name,
-                          (force.pressure[0] + force.viscous[0]) / scale, (force.pressure[1] + force.viscous[1]) / scale,
+                          (force.pressure[0] + force.viscous[0]) / scale,
+                          (force.pressure[1] + force.viscous[1]) / scale,
                           (force.pressure[2] + force.viscous[2]) / scale);
     }
-    line += fmt::format("  {:.2f} s a step, {:.0f} s left", passed / done_, passed / done_ * (steps_ - done_));
+    line +=
+        fmt::format("  {:.2f} s a step, {:.0f} s left", passed / done_, passed / done_ * (steps_ - done_));
     if (terminal_)
       fmt::print(stderr, "\r\033[K{}{}", line, done_ == steps_ ? "\n" : "");
     else
@@ -87,10 +89,11 @@ Result<StepFigures> one_step(const PhaseSettings& phase, const Case& input, Flow
   if (!figures) return figures;
   const NewtonReport& report = figures->newton;
   if (!report.converged && report.residual > newton.failure_tolerance)
-    return numerical_error("step {} at t = {:.6g} failed: after {} Newton iterations the residual is {:.2e} of the "
-                           "first, above failure_tolerance {:.2e}; use a smaller step",
-                           solver.state().step, solver.state().time, report.iterations, report.residual,
-                           newton.failure_tolerance);
+    return numerical_error(
+        "step {} at t = {:.6g} failed: after {} Newton iterations the residual is {:.2e} of the "
+        "first, above failure_tolerance {:.2e}; use a smaller step",
+        solver.state().step, solver.state().time, report.iterations, report.residual,
+        newton.failure_tolerance);
   return figures;
 }
 

@@ -10,8 +10,8 @@ struct TetGeometry {
   Real volume;
 };
 
-/// Gradients and signed volume from the corners x[4][3]; positive when corner 3 lies on the side of the normal
-/// (x1 - x0) x (x2 - x0). A volume of zero gives infinite gradients: check the mesh before.
+/// Gradients and signed volume from the corners x[4][3]; positive when corner 3 lies on the side of the
+/// normal (x1 - x0) x (x2 - x0). A volume of zero gives infinite gradients: check the mesh before.
 template <class Real>
 [[nodiscard]] inline TetGeometry<Real> tet_geometry(const Real x[4][3]) noexcept {
   TetGeometry<Real> geometry;

@@ -14,7 +14,8 @@ class AlignedArray {
  public:
   AlignedArray() = default;
   explicit AlignedArray(std::size_t size)
-      : data_(static_cast<T*>(::operator new(std::max<std::size_t>(size, 1) * sizeof(T), alignment))), size_(size) {
+      : data_(static_cast<T*>(::operator new(std::max<std::size_t>(size, 1) * sizeof(T), alignment))),
+        size_(size) {
     std::fill_n(data_.get(), size, T{});
   }
   [[nodiscard]] T* data() { return data_.get(); }

@@ -8,8 +8,8 @@
 #include "common/la_krylov/aligned_array.hpp"
 #include "common/la_krylov/node_graph.hpp"
 
-/// One rank's rows of a matrix of dense blocks, in single precision. A Jacobian and its preconditioner need no more:
-/// residuals and states are double, and the solver moves half the memory. Blocks are column-major.
+/// One rank's rows of a matrix of dense blocks, in single precision. A Jacobian and its preconditioner need
+/// no more: residuals and states are double, and the solver moves half the memory. Blocks are column-major.
 namespace drogue::la {
 
 template <int block_size>
@@ -18,7 +18,8 @@ class BlockMatrix {
   static constexpr int entries = block_size * block_size;
 
   /// All blocks zero. `pattern` must outlive the matrix.
-  explicit BlockMatrix(const LocalPattern& pattern) : pattern_(&pattern), values_(pattern.column.size() * entries) {}
+  explicit BlockMatrix(const LocalPattern& pattern)
+      : pattern_(&pattern), values_(pattern.column.size() * entries) {}
 
   [[nodiscard]] const LocalPattern& pattern() const { return *pattern_; }
   [[nodiscard]] float* block(std::int32_t position) {
@@ -41,8 +42,8 @@ class BlockMatrix {
   AlignedArray<float> values_;
 };
 
-/// Incomplete factorisation without fill, by blocks, of the square part of a rank's rows (couplings to ghosts are
-/// left out: block Jacobi between ranks). Diagonal blocks are inverted.
+/// Incomplete factorisation without fill, by blocks, of the square part of a rank's rows (couplings to ghosts
+/// are left out: block Jacobi between ranks). Diagonal blocks are inverted.
 template <int block_size>
 class BlockIlu {
  public:

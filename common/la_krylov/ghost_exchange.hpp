@@ -9,11 +9,12 @@
 
 namespace drogue::la {
 
-/// Brings ghost values from their owners. Built without communication: every rank knows the graph and the ranges.
+/// Brings ghost values from their owners. Built without communication: every rank knows the graph and the
+/// ranges.
 class GhostExchange {
  public:
-  GhostExchange(const NodeGraph& graph, std::span<const RowRange> ranges, const LocalPattern& pattern, int rank,
-                int components);
+  GhostExchange(const NodeGraph& graph, std::span<const RowRange> ranges, const LocalPattern& pattern,
+                int rank, int components);
   /// x {columns, components}: own values first; the ghosts behind them are filled. @note Collective
   void update(std::span<double> x);
 

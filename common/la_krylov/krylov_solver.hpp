@@ -24,15 +24,15 @@ struct KrylovOptions {
 };
 
 /// PETSc's GMRES over the own rows of every rank, operator and preconditioner given as functions. Left
-/// preconditioning: the stopping test measures M^-1 r, an estimate of the error itself, so that no component of the
-/// unknowns (the pressure) can hide behind the scale of another's equations.
+/// preconditioning: the stopping test measures M^-1 r, an estimate of the error itself, so that no component
+/// of the unknowns (the pressure) can hide behind the scale of another's equations.
 class KrylovSolver {
  public:
   /// out = f(in), both own rows. Every rank calls it the same number of times.
   using Apply = std::function<void(std::span<const double> in, std::span<double> out)>;
 
-  [[nodiscard]] static Result<KrylovSolver> create(std::int32_t local_size, Apply matrix, Apply preconditioner,
-                                                   const KrylovOptions& options);
+  [[nodiscard]] static Result<KrylovSolver> create(std::int32_t local_size, Apply matrix,
+                                                   Apply preconditioner, const KrylovOptions& options);
   KrylovSolver(KrylovSolver&&) noexcept;
   KrylovSolver& operator=(KrylovSolver&&) noexcept;
   ~KrylovSolver();

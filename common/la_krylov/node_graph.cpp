@@ -7,7 +7,9 @@
 namespace drogue::la {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int32_t i) {
+  return static_cast<std::size_t>(i);
+}
 
 } // namespace
 
@@ -45,7 +47,9 @@ std::vector<std::int32_t> reverse_cuthill_mckee(const NodeGraph& graph) {
   std::vector<std::int32_t> order;
   order.reserve(at(n));
   std::vector<char> visited(at(n), 0);
-  const auto by_degree = [&](std::int32_t a, std::int32_t b) { return graph.row(a).size() < graph.row(b).size(); };
+  const auto by_degree = [&](std::int32_t a, std::int32_t b) {
+    return graph.row(a).size() < graph.row(b).size();
+  };
   std::vector<std::int32_t> starts(at(n));
   std::iota(starts.begin(), starts.end(), 0);
   std::stable_sort(starts.begin(), starts.end(), by_degree);

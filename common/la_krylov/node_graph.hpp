@@ -24,7 +24,8 @@ struct NodeGraph {
 [[nodiscard]] NodeGraph node_graph(std::int32_t node_count, std::span<const std::int32_t> elements,
                                    int nodes_per_element);
 
-/// Reverse Cuthill-McKee ordering: entry new -> old. Every component starts at its first node of smallest degree.
+/// Reverse Cuthill-McKee ordering: entry new -> old. Every component starts at its first node of smallest
+/// degree.
 [[nodiscard]] std::vector<std::int32_t> reverse_cuthill_mckee(const NodeGraph& graph);
 
 /// Rows [first, last) that a rank owns: equal shares of the graph's entries, contiguous.

@@ -51,11 +51,12 @@ Result<PoissonAmg> PoissonAmg::create(const LocalPattern& pattern, const RowRang
   std::vector<PetscInt> columns(pattern.column.size());
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const std::int32_t c = pattern.column[k];
-    columns[k] = c < pattern.rows ? own.first + c : pattern.ghosts[static_cast<std::size_t>(c - pattern.rows)];
+    columns[k] =
+        c < pattern.rows ? own.first + c : pattern.ghosts[static_cast<std::size_t>(c - pattern.rows)];
   }
   DROGUE_PETSC(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, pattern.rows, pattern.rows, PETSC_DETERMINE,
-                                         PETSC_DETERMINE, pattern.row_start.data(), columns.data(), values.data(),
-                                         &s->K));
+                                         PETSC_DETERMINE, pattern.row_start.data(), columns.data(),
+                                         values.data(), &s->K));
   DROGUE_TRY(set_options());
   DROGUE_PETSC(PCCreate(PETSC_COMM_WORLD, &s->pc));
   DROGUE_PETSC(PCSetOptionsPrefix(s->pc, "pressure_"));

@@ -66,7 +66,8 @@ void broadcast_passively(void* data, std::uint64_t bytes) {
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibcast(at, static_cast<int>(part), MPI_BYTE, 0, PETSC_COMM_WORLD, &request);
     int done = 0;
-    for (MPI_Test(&request, &done, MPI_STATUS_IGNORE); done == 0; MPI_Test(&request, &done, MPI_STATUS_IGNORE))
+    for (MPI_Test(&request, &done, MPI_STATUS_IGNORE); done == 0;
+         MPI_Test(&request, &done, MPI_STATUS_IGNORE))
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     at += part;
     bytes -= part;

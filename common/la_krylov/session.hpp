@@ -8,8 +8,8 @@
 
 namespace drogue::la {
 
-/// PETSc and MPI for the lifetime of the object; one in a process, created by main(). Signals stay with the program.
-/// Started outside mpiexec it is a single rank and starts no daemon.
+/// PETSc and MPI for the lifetime of the object; one in a process, created by main(). Signals stay with the
+/// program. Started outside mpiexec it is a single rank and starts no daemon.
 class Session {
  public:
   [[nodiscard]] static Result<Session> start();

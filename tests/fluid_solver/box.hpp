@@ -42,7 +42,8 @@ inline mesh::Mesh box_mesh(std::array<int, 3> n, std::array<double, 3> size) {
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
       mesh::ElementBlock block{std::string(1, static_cast<char>('x' + axis)) + static_cast<char>('0' + side),
-                               mesh::ElementKind::tri3, {}};
+                               mesh::ElementKind::tri3,
+                               {}};
       const int p = (axis + 1) % 3;
       const int q = (axis + 2) % 3;
       for (int a = 0; a < n[static_cast<std::size_t>(p)]; ++a)
@@ -62,7 +63,8 @@ inline mesh::Mesh box_mesh(std::array<int, 3> n, std::array<double, 3> size) {
   return m;
 }
 
-inline config::VectorExpression vector_expression(const std::string& x, const std::string& y, const std::string& z) {
+inline config::VectorExpression vector_expression(const std::string& x, const std::string& y,
+                                                  const std::string& z) {
   return {config::Expression::parse(x).value(), config::Expression::parse(y).value(),
           config::Expression::parse(z).value()};
 }
@@ -74,7 +76,8 @@ inline BoundarySettings boundary(std::string name, Condition condition) {
   return b;
 }
 
-inline BoundarySettings velocity(std::string name, const std::string& x, const std::string& y, const std::string& z) {
+inline BoundarySettings velocity(std::string name, const std::string& x, const std::string& y,
+                                 const std::string& z) {
   BoundarySettings b = boundary(std::move(name), Condition::velocity);
   b.value = vector_expression(x, y, z);
   return b;
@@ -92,8 +95,10 @@ inline Settings tight_settings(double dynamic_viscosity) {
 }
 
 /// Velocity given by the same expressions on all six sides.
-inline void velocity_all_around(Settings& s, const std::string& x, const std::string& y, const std::string& z) {
-  for (const char* name : {"x0", "x1", "y0", "y1", "z0", "z1"}) s.boundaries.push_back(velocity(name, x, y, z));
+inline void velocity_all_around(Settings& s, const std::string& x, const std::string& y,
+                                const std::string& z) {
+  for (const char* name : {"x0", "x1", "y0", "y1", "z0", "z1"})
+    s.boundaries.push_back(velocity(name, x, y, z));
 }
 
 /// Every coordinate moved at random by at most `amount`.

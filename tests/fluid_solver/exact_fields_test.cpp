@@ -87,7 +87,8 @@ TEST(MovingMesh, ShearIsWrongWhenTheMeshVelocityIsLeftOut) {
     };
     space_time_element<false>(in, dt, rule, r, ignore);
     add(with);
-    std::copy(&in.x_n[0][0], &in.x_n[0][0] + 12, &in.x_np1[0][0]); // the slab of a mesh at rest, same nodal values
+    std::copy(&in.x_n[0][0], &in.x_n[0][0] + 12,
+              &in.x_np1[0][0]); // the slab of a mesh at rest, same nodal values
     space_time_element<false>(in, dt, rule, r, ignore);
     add(without);
   }
