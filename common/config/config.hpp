@@ -35,8 +35,8 @@ class Source {
   Source() = default;
   explicit Source(std::filesystem::path file) : file_(std::move(file)) {}
 
-  /// "FILE:LINE:COLUMN" of a field given by its path, e.g. "boundary[2].name"; of the nearest enclosing field that
-  /// is in the file when the field itself is not; "FILE" when none is.
+  /// "FILE:LINE:COLUMN" of a field given by its path, e.g. "boundary[2].name"; of the nearest enclosing field
+  /// that is in the file when the field itself is not; "FILE" when none is.
   [[nodiscard]] std::string where(std::string_view path) const;
   /// `name` resolved against the folder of the config.
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
@@ -53,14 +53,16 @@ class Source {
   std::map<std::string, Position, std::less<>> positions_;
 };
 
-/// Parses a text-format config into `message` and checks every rule of its schema (proto/drogue/v1/rules.proto):
-/// unknown and misspelt fields, wrong types, values out of range, required fields, missing input files, expressions
-/// that do not parse. All errors land in `report`. Returns the positions of the fields.
-[[nodiscard]] Source load(const std::filesystem::path& file, google::protobuf::Message& message, Report& report);
+/// Parses a text-format config into `message` and checks every rule of its schema
+/// (proto/drogue/v1/rules.proto): unknown and misspelt fields, wrong types, values out of range, required
+/// fields, missing input files, expressions that do not parse. All errors land in `report`. Returns the
+/// positions of the fields.
+[[nodiscard]] Source load(const std::filesystem::path& file, google::protobuf::Message& message,
+                          Report& report);
 
 /// Reports a name that is not among the valid ones: "no boundary named \"inflw\" in mesh.msh; did you mean
 /// \"inflow\"? (there are: inflow, outflow)".
-void report_unknown_name(Report& report, const std::string& where, std::string_view what, std::string_view name,
-                         std::string_view in, std::span<const std::string> valid);
+void report_unknown_name(Report& report, const std::string& where, std::string_view what,
+                         std::string_view name, std::string_view in, std::span<const std::string> valid);
 
 } // namespace drogue::config

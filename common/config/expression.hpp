@@ -21,7 +21,8 @@ class Expression {
   Expression& operator=(Expression&&) noexcept;
   ~Expression();
 
-  /// Errors (ErrorKind::config): text that does not parse or names an unknown variable; says where in the text.
+  /// Errors (ErrorKind::config): text that does not parse or names an unknown variable; says where in the
+  /// text.
   [[nodiscard]] static Result<Expression> parse(const std::string& text);
 
   [[nodiscard]] double operator()(double x, double y, double z, double t) const;
