@@ -7,7 +7,20 @@
 
 namespace drogue::meshing {
 
-PointTree::PointTree(std::vector<Point> points) : points_(std::move(points)) {
+struct PointTree::Query {
+  Point x;
+  double best_square;
+  double factor; ///< (1 + relative error)^2
+};
+
+PointTree::PointTree(std::vector<Point> points)
+    : points_(std::move(points)), low_(Point::Zero()), high_(Point::Zero()) {
+  if (points_.empty()) return;
+  low_ = high_ = points_.front();
+  for (const Point& p : points_) {
+    low_ = low_.cwiseMin(p);
+    high_ = high_.cwiseMax(p);
+  }
   build(0, points_.size(), 0);
 }
 
@@ -21,23 +34,25 @@ void PointTree::build(std::size_t begin, std::size_t end, int axis) {
   build(middle + 1, end, (axis + 1) % 3);
 }
 
-double PointTree::distance(const Point& x, double cutoff) const {
-  double best_square = cutoff * cutoff;
-  search(x, 0, points_.size(), 0, best_square);
-  return std::sqrt(best_square);
+double PointTree::distance(const Point& x, double cutoff, double relative_error) const {
+  Query query{x, cutoff * cutoff, (1 + relative_error) * (1 + relative_error)};
+  const Point to_box = (low_ - x).cwiseMax(x - high_).cwiseMax(Point::Zero());
+  search(query, 0, points_.size(), 0, to_box);
+  return std::sqrt(query.best_square);
 }
 
-void PointTree::search(const Point& x, std::size_t begin, std::size_t end, int axis,
-                       double& best_square) const {
-  if (begin == end) return;
+/// `to_cell`: from the point to the box that holds the range, along each axis.
+void PointTree::search(Query& query, std::size_t begin, std::size_t end, int axis,
+                       const Point& to_cell) const {
+  if (begin == end || to_cell.squaredNorm() * query.factor >= query.best_square) return;
   const std::size_t middle = begin + (end - begin) / 2;
-  best_square = std::min(best_square, (points_[middle] - x).squaredNorm());
-  const double offset = x[axis] - points_[middle][axis];
+  query.best_square = std::min(query.best_square, (points_[middle] - query.x).squaredNorm());
+  const double offset = query.x[axis] - points_[middle][axis];
   const int next = (axis + 1) % 3;
-  const auto left = [&] { search(x, begin, middle, next, best_square); };
-  const auto right = [&] { search(x, middle + 1, end, next, best_square); };
-  offset < 0 ? left() : right();
-  if (offset * offset < best_square) offset < 0 ? right() : left();
+  Point to_far = to_cell;
+  to_far[axis] = std::max(to_cell[axis], std::abs(offset));
+  search(query, offset < 0 ? begin : middle + 1, offset < 0 ? middle : end, next, to_cell);
+  search(query, offset < 0 ? middle + 1 : begin, offset < 0 ? end : middle, next, to_far);
 }
 
 } // namespace drogue::meshing

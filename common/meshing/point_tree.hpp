@@ -12,16 +12,19 @@ namespace drogue::meshing {
 class PointTree {
  public:
   explicit PointTree(std::vector<Point> points);
-  /// Distance from x to the nearest point, or `cutoff` when none is nearer.
-  [[nodiscard]] double distance(const Point& x,
-                                double cutoff = std::numeric_limits<double>::infinity()) const;
+  /// Distance from x to the nearest point, or `cutoff` when none is nearer; at most too large by the factor
+  /// 1 + `relative_error`, which makes queries from far away cheap.
+  [[nodiscard]] double distance(const Point& x, double cutoff = std::numeric_limits<double>::infinity(),
+                                double relative_error = 0) const;
 
  private:
+  struct Query;
   void build(std::size_t begin, std::size_t end, int axis);
-  void search(const Point& x, std::size_t begin, std::size_t end, int axis, double& best_square) const;
+  void search(Query& query, std::size_t begin, std::size_t end, int axis, const Point& to_cell) const;
 
   /// The median of each range is its root; halves follow on both sides; axes take turns.
   std::vector<Point> points_;
+  Point low_, high_; ///< bounding box
 };
 
 } // namespace drogue::meshing

@@ -35,7 +35,7 @@ double SizeField::operator()(const Point& x) const {
   // The nearest sample of the surface is up to a third of an element from its nearest point.
   const double sampling = 0.3 * rule_.surface_size;
   const double cutoff = sampling + (rule_.largest_size - rule_.surface_size) / rule_.growth;
-  const double distance = std::max(0.0, surface_.distance(x, cutoff) - sampling);
+  const double distance = std::max(0.0, surface_.distance(x, cutoff, 0.02) - sampling);
   double size = std::min(rule_.largest_size, rule_.surface_size + rule_.growth * distance);
   if (rule_.wake) size = std::min(size, rule_.wake->size + rule_.growth * distance_to(*rule_.wake, x));
   return size;

@@ -30,6 +30,9 @@ TEST(PointTree, AgreesWithTryingEveryPoint) {
     for (const Point& p : points) nearest = std::min(nearest, (p - query).norm());
     EXPECT_DOUBLE_EQ(tree.distance(query), nearest);
     EXPECT_DOUBLE_EQ(tree.distance(query, 0.3), std::min(nearest, 0.3));
+    const double rough = tree.distance(10 * query, 100, 0.1);
+    EXPECT_GE(rough, tree.distance(10 * query));
+    EXPECT_LE(rough, 1.1 * tree.distance(10 * query) + 1e-12);
   }
 }
 
