@@ -1,26 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
-#include <span>
-
-#include "common/base/result.hpp"
-#include "mesh_mover/stiffness.hpp"
+#include "mesh_mover/coarse_space.hpp"
+#include "mesh_mover/incomplete_cholesky.hpp"
 
 namespace drogue::mesh_mover {
-
-/// PETSc and MPI for as long as it lives; one in a process. Signals stay with the program.
-class PetscSession {
- public:
-  /// Errors (ErrorKind::config): started on more than one rank. @note Collective
-  [[nodiscard]] static Result<std::unique_ptr<PetscSession>> start();
-  ~PetscSession();
-  PetscSession(const PetscSession&) = delete;
-  PetscSession& operator=(const PetscSession&) = delete;
-
- private:
-  PetscSession() = default;
-};
 
 struct SolveOutcome {
   bool converged = false;
@@ -29,34 +13,30 @@ struct SolveOutcome {
   double residual = 0;
 };
 
-/// PETSc's conjugate gradients on 3 x 3 blocks, preconditioned with block ILU(0), which is symmetric for a
-/// symmetric matrix; where that is not positive definite, with the inverse diagonal blocks until the next
-/// update().
+/// Conjugate gradients with the additive two-level preconditioner
+///     M^-1 = (L D L^T)^-1 + Z E^-1 Z^T
+/// of incomplete factors, which smooth between neighbours, and a coarse space, which carries the motion of
+/// the boundary through the whole mesh, so that the number of iterations hardly grows with the mesh.
 class ConjugateGradient {
  public:
-  ConjugateGradient();
-  ~ConjugateGradient();
-  ConjugateGradient(const ConjugateGradient&) = delete;
-  ConjugateGradient& operator=(const ConjugateGradient&) = delete;
+  /// `A` and `given` must outlive this object; A's values may change between calls of update().
+  ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given);
 
-  /// Makes room for a matrix. Errors (ErrorKind::internal): PETSc fails. @pre a PetscSession lives
-  [[nodiscard]] Result<void> create(const BlockPattern& pattern);
-  /// The blocks of the matrix, to be filled before update(): {blocks, 3, 3}, each block column-major.
-  [[nodiscard]] std::span<double> values();
   /// The matrix has new values: factors the preconditioner.
   [[nodiscard]] Result<void> update();
-  /// Solves A x = b from the start value in x until the residual's Euclidean norm is at most `tolerance`.
-  /// `b` and `x` {3 rows}.
+  /// Solves A x = b from the start value in x, corrected on the coarse space first, until the residual's
+  /// Euclidean norm is at most `tolerance`. `b` and `x` {3 rows}.
   [[nodiscard]] Result<SolveOutcome> solve(std::span<const double> b, std::span<double> x, double tolerance,
                                            int max_iterations);
-  /// Whether a solve since the last update() had to leave the block ILU.
-  [[nodiscard]] bool fell_back() const;
-  /// y = A x.
-  [[nodiscard]] Result<void> multiply(std::span<const double> x, std::span<double> y);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  using Vector = Eigen::VectorXd;
+  [[nodiscard]] Result<void> precondition(const Vector& r, Vector& z);
+
+  const SymmetricBlocks<double>& A_;
+  IncompleteCholesky incomplete_;
+  CoarseSpace coarse_;
+  Vector r_, z_, p_, w_;
 };
 
 } // namespace drogue::mesh_mover

@@ -16,7 +16,6 @@ namespace drogue::mesh_mover {
 ///         "quality"           {1, 3}  smallest volume ratio, worst mean ratio, mean of the mean ratios
 class MeshParticipant : public participant::Solver {
  public:
-  /// @pre a PetscSession lives
   explicit MeshParticipant(Case input);
 
   [[nodiscard]] participant::Description describe() override;

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include <Eigen/Cholesky>
-
 namespace drogue::mesh_mover {
 namespace {
 
@@ -36,15 +34,6 @@ double free_norm(const Stiffness& stiffness, std::span<const double> f) {
   return std::sqrt(sum);
 }
 
-/// Sum of the free entries, for each component.
-Eigen::Vector3d free_sum(const Stiffness& stiffness, std::span<const double> f) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < f.size() / 3; ++i)
-    for (int c = 0; c < 3; ++c)
-      if (!stiffness.is_given(i, c)) sum[c] += f[3 * i + static_cast<std::size_t>(c)];
-  return sum;
-}
-
 } // namespace
 
 Result<std::unique_ptr<MeshMover>> MeshMover::create(mesh::Mesh mesh, const Settings& settings) {
@@ -53,10 +42,8 @@ Result<std::unique_ptr<MeshMover>> MeshMover::create(mesh::Mesh mesh, const Sett
   if (!jacobians) return jacobians.error();
   auto motion = BoundaryMotion::create(mesh, settings.boundaries);
   if (!motion) return motion.error();
-  std::unique_ptr<MeshMover> mover(
+  return std::unique_ptr<MeshMover>(
       new MeshMover(std::move(mesh), settings, std::move(*motion), std::move(tets), std::move(*jacobians)));
-  DROGUE_TRY(mover->solver_.create(mover->stiffness_.pattern()));
-  return mover;
 }
 
 MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, BoundaryMotion motion,
@@ -68,6 +55,7 @@ MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, BoundaryMotion m
       initial_jacobians_(std::move(jacobians)),
       solid_(pseudo_solid(settings.poisson_ratio, settings.stiffening_exponent, mean(initial_jacobians_))),
       stiffness_(tets_, motion_.given()),
+      solver_(stiffness_.matrix(), stiffness_.given()),
       u_n_(mesh_.points.size(), 0.0),
       increment_n_(u_n_),
       u_np1_(u_n_),
@@ -77,23 +65,9 @@ MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, BoundaryMotion m
       work_(u_n_) {}
 
 Result<void> MeshMover::prepare(std::span<const double> points) {
-  stiffness_.assemble(solid_, points, solver_.values());
+  stiffness_.assemble(solid_, points);
   DROGUE_TRY(solver_.update());
-  DROGUE_TRY(prepare_translations());
   is_prepared_ = true;
-  return {};
-}
-
-Result<void> MeshMover::prepare_translations() {
-  for (int c = 0; c < 3; ++c) {
-    std::fill(load_.begin(), load_.end(), 0.0);
-    for (std::size_t i = 0; i < load_.size() / 3; ++i)
-      if (!stiffness_.is_given(i, c)) load_[3 * i + static_cast<std::size_t>(c)] = 1;
-    DROGUE_TRY(solver_.multiply(load_, work_));
-    translation_stiffness_.col(c) = free_sum(stiffness_, work_);
-    // A component that is given everywhere has no translation.
-    if (translation_stiffness_(c, c) == 0) translation_stiffness_(c, c) = 1;
-  }
   return {};
 }
 
@@ -101,7 +75,7 @@ Result<void> MeshMover::begin_step(double time_step) {
   time_step_ = time_step;
   if (settings_.increment == Increment::from_last_step)
     DROGUE_TRY(prepare(points_np1_));
-  else if (!is_prepared_ || solver_.fell_back())
+  else if (!is_prepared_)
     DROGUE_TRY(prepare(mesh_.points));
   start_value();
   return {};
@@ -123,16 +97,6 @@ double MeshMover::load_of_increment() {
   return free_norm(stiffness_, work_);
 }
 
-Result<void> MeshMover::add_best_translation(std::span<const double> load, std::span<double> w) {
-  DROGUE_TRY(solver_.multiply(w, work_));
-  for (std::size_t i = 0; i < work_.size(); ++i) work_[i] = load[i] - work_[i];
-  const Eigen::Vector3d shift = translation_stiffness_.ldlt().solve(free_sum(stiffness_, work_));
-  for (std::size_t i = 0; i < w.size() / 3; ++i)
-    for (int c = 0; c < 3; ++c)
-      if (!stiffness_.is_given(i, c)) w[3 * i + static_cast<std::size_t>(c)] += shift[c];
-  return {};
-}
-
 Result<SolveOutcome> MeshMover::relax(const BoundaryInput& input, double& reference) {
   // 1. boundary values of the unknown
   motion_.evaluate(input, mesh_.points, w_);
@@ -151,8 +115,7 @@ Result<SolveOutcome> MeshMover::relax(const BoundaryInput& input, double& refere
       w_ = u_n_;
     return SolveOutcome{true, 0, 0};
   }
-  // 3. start value, and the linear system
-  DROGUE_TRY(add_best_translation(load_, w_));
+  // 3. the linear system
   const double tolerance = std::max(settings_.tolerance * reference, rounding * free_norm(stiffness_, load_));
   return solver_.solve(load_, w_, tolerance, settings_.max_iterations);
 }

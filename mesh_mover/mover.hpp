@@ -24,14 +24,13 @@ struct SolveReport {
 ///
 /// Within a step the matrix is fixed and only boundary values change: it is assembled and its preconditioner
 /// factored in begin_step, and every solve starts from the last one of the same step. The first starts from
-/// the displacement at t_n plus the last step's increment, in proportion of the steps. After that the best of
-/// the three rigid translations of the free nodes is added, which makes translations of the whole boundary
-/// exact to rounding. What is computed depends on the committed state and the sequence of inputs alone.
+/// the displacement at t_n plus the last step's increment, in proportion of the steps. The solver corrects
+/// the start value on its coarse space, which makes translations of the whole boundary exact to rounding.
+/// What is computed depends on the committed state and the sequence of inputs alone.
 class MeshMover {
  public:
   /// Errors (ErrorKind::config): an element without positive volume; a direction in which nothing holds the
   /// mesh.
-  /// @pre a PetscSession lives
   [[nodiscard]] static Result<std::unique_ptr<MeshMover>> create(mesh::Mesh mesh, const Settings& settings);
 
   /// Errors (ErrorKind::internal): the preconditioner cannot be set up.
@@ -65,8 +64,6 @@ class MeshMover {
   MeshMover(mesh::Mesh mesh, const Settings& settings, BoundaryMotion motion, std::vector<std::int32_t> tets,
             std::vector<double> jacobians);
   [[nodiscard]] Result<void> prepare(std::span<const double> points);
-  [[nodiscard]] Result<void> prepare_translations();
-  [[nodiscard]] Result<void> add_best_translation(std::span<const double> load, std::span<double> w);
   void start_value();
   [[nodiscard]] double load_of_increment();
   [[nodiscard]] Result<SolveOutcome> relax(const BoundaryInput& input, double& reference);
@@ -80,7 +77,6 @@ class MeshMover {
   Stiffness stiffness_;
   ConjugateGradient solver_;
   bool is_prepared_ = false;
-  Eigen::Matrix3d translation_stiffness_; // E^T K E of the three translations of the free nodes
 
   // Committed state.
   std::vector<double> u_n_;         // displacement since the start

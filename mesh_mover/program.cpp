@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_mover/program.hpp"
 
+#include <cstdlib>
+#include <string_view>
+
 #include "mesh_mover/mesh_participant.hpp"
 #include "mesh_mover/standalone.hpp"
 
@@ -16,6 +19,15 @@ Result<Case> load_whole_case(const std::filesystem::path& file) {
   return input;
 }
 
+/// Under mpiexec every rank would do the same work and write the same files.
+Result<void> check_alone() {
+  const char* ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
+  if (ranks && std::string_view(ranks) != "1")
+    return config_error(
+        "mesh_mover works in one process; it was started on {} ranks: start it without mpiexec", ranks);
+  return {};
+}
+
 } // namespace
 
 Result<void> check(const std::filesystem::path& file) {
@@ -26,8 +38,7 @@ Result<void> check(const std::filesystem::path& file) {
 }
 
 Result<void> run(const std::filesystem::path& file, const std::string& endpoint) {
-  auto petsc = PetscSession::start();
-  if (!petsc) return petsc.error();
+  DROGUE_TRY(check_alone());
   auto input = load_whole_case(file);
   if (!input) return input.error();
   if (endpoint.empty()) return run_standalone(std::move(*input));

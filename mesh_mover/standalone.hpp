@@ -6,7 +6,7 @@
 namespace drogue::mesh_mover {
 
 /// Moves the mesh through all steps of its config with the boundaries' own expressions, and writes results.
-/// Errors: ErrorKind::numerical names the step that failed. @pre a PetscSession lives
+/// Errors: ErrorKind::numerical names the step that failed.
 [[nodiscard]] Result<void> run_standalone(Case input);
 
 } // namespace drogue::mesh_mover
