@@ -11,6 +11,9 @@ namespace {
 
 using Index = std::size_t;
 
+/// Of the mean ratio, for a move to count: without it the search creeps.
+constexpr double smallest_gain = 1e-3;
+
 std::vector<bool> fixed_nodes(const TetMesh& m) {
   std::vector<bool> fixed(m.points.size(), false);
   const auto fix = [&](const std::vector<Triangle>& triangles) {
@@ -60,7 +63,7 @@ bool try_move(const Star& star, const Point& x, double& best) {
   const Point old = star.position();
   star.position() = x;
   const double q = star.worst(best);
-  if (q > best + 1e-9) {
+  if (q > best + smallest_gain) {
     best = q;
     return true;
   }

@@ -67,7 +67,7 @@ class Commands : public testing::Test {
 
 TEST_F(Commands, MakeTheSameFluidMeshEveryTime) {
   prepare_structure();
-  replace("growth: 0.22", "growth: 0.6");
+  replace("growth: 0.22", "growth: 0.3");
   replace("wake_length: 1.6", "wake_length: 0");
   ASSERT_EQ(run("fluid parachute.textproto"), 0) << contents(folder_ / "err.txt");
   const std::string first = contents(folder_ / "fluid.msh");
