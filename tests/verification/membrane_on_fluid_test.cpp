@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A taut membrane over a layer of fluid, four processes, against the exact added mass.
+//
+// Membrane z = H, mass m_s an area, tension T, held at x = 0 and L; fluid below it, rigid floor at z = 0, p = 0 at x = 0
+// and L. Small amplitude: w = a sin(kx) cos(omega t), phi ~ sin(kx) cosh(kz), k = pi / L, and
+//   omega^2 = T k^2 / (m_s + rho coth(kH) / k).
+// The fluid's share of the mass is ten times the membrane's.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include "common/io/state_file.hpp"
+#include "common/mesh/msh.hpp"
+#include "coupler/launcher/process.hpp"
+#include "tests/mesh_mover/box_mesh.hpp"
+#include "tests/support/coupled_case.hpp"
+#include "tests/support/verify.hpp"
+
+namespace drogue::test {
+namespace {
+
+constexpr double L = 1, H = 0.5, width = 0.05, rho = 1, tension = 1, amplitude = 1e-3;
+constexpr double k = std::numbers::pi / L;
+constexpr int fluid_x = 28, fluid_z = 14, structure_x = 10; // not matching: 28 triangles' edges against 20 half elements
+
+double added_mass() { return rho / (std::tanh(k * H) * k); }
+double structure_mass() { return added_mass() / 10; }
+double exact_omega() { return std::sqrt(tension * k * k / (structure_mass() + added_mass())); }
+
+/// A box one cell wide, whose cells grow thinner towards the membrane.
+mesh::Mesh fluid_mesh() {
+  std::vector<double> z = uniform(0, 1, fluid_z);
+  for (double& s : z) s = H * (1.5 * s - 0.5 * s * s);
+  return box_mesh({uniform(0, L, fluid_x), uniform(0, width, 1), z}, [](int, int, int) { return false; });
+}
+
+/// One row of nine-node quadrilaterals.
+mesh::Mesh structure_mesh() {
+  mesh::Mesh m;
+  const int row = 2 * structure_x + 1;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < row; ++i) m.points.insert(m.points.end(), {L * i / (row - 1), width * j / 2, H});
+  mesh::ElementBlock membrane{"membrane", mesh::ElementKind::quad9, {}};
+  for (int e = 0; e < structure_x; ++e) {
+    const std::int32_t a = 2 * e;
+    membrane.nodes.insert(membrane.nodes.end(), {a, a + 2, a + 2 + 2 * row, a + 2 * row, a + 1, a + 2 + row,
+                                                 a + 1 + 2 * row, a + row, a + 1 + row});
+  }
+  mesh::ElementBlock ends{"ends", mesh::ElementKind::point1, {}};
+  for (int j = 0; j < 3; ++j) ends.nodes.insert(ends.nodes.end(), {j * row, j * row + row - 1});
+  m.blocks = {membrane, ends};
+  return m;
+}
+
+void write_start(const std::filesystem::path& folder, const mesh::Mesh& structure) {
+  const auto n = static_cast<std::uint64_t>(structure.node_count());
+  std::vector<double> d(3 * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) d[3 * i + 2] = amplitude * std::sin(k * structure.points[3 * i]);
+  io::State state{"structure", mesh::hash(structure), 0, 0, {}};
+  state.add("displacement", {n, 3}, d);
+  state.add("velocity", {n, 3}, std::vector<double>(3 * n, 0.0));
+  state.add("acceleration", {n, 3}, std::vector<double>(3 * n, 0.0));
+  ASSERT_TRUE(io::write_state(folder / "start.state", state).ok());
+}
+
+void write_configs(const std::filesystem::path& folder, double dt, int steps) {
+  std::ofstream(folder / "structure.textproto") << fmt::format(
+      "mesh: 'structure.msh' initial_state: 'start.state' interface: 'membrane'\n"
+      "membrane {{ group: 'membrane' thickness: 0.001 density: {} youngs_modulus: 10 poisson_ratio: 0 prestress: {} }}\n"
+      "support {{ group: 'ends' }}\n"
+      "support {{ group: 'membrane' components: 'xy' }}\n"
+      "time {{ step: {} rho_infinity: 0.9 }}\n"
+      "newton {{ displacement_tolerance: 1e-12 }}\n"
+      "output {{ field_interval: 0 }}\n",
+      structure_mass() / 0.001, tension / 0.001, dt);
+  std::ofstream(folder / "fluid.textproto") << fmt::format(
+      "mesh: 'fluid.msh' density: {} dynamic_viscosity: 1e-6\n"
+      "phase {{ formulation: DSD_SST step: {} }}\n"
+      "boundary {{ name: 'z1' no_slip {{ components: 'z' }} }}\n"
+      "boundary {{ name: 'z0' free_slip {{}} }}\n"
+      "boundary {{ name: 'y0' free_slip {{}} }}\n"
+      "boundary {{ name: 'y1' free_slip {{}} }}\n"
+      "boundary {{ name: 'x0' traction_free {{ backflow: 0 }} }}\n"
+      "boundary {{ name: 'x1' traction_free {{ backflow: 0 }} }}\n"
+      "interface: 'z1'\n"
+      "linear {{ tolerance: 1e-4 }}\n"
+      "output {{ field_interval: 0 }}\n",
+      rho, dt);
+  std::ofstream(folder / "mesh.textproto") << "mesh: 'fluid.msh' tolerance: 1e-8\n"
+                                              "boundary { name: 'z1' displacement {} }\n"
+                                              "boundary { name: 'z0' fixed {} }\n"
+                                              "boundary { name: 'y0' sliding { normal: 'y' } }\n"
+                                              "boundary { name: 'y1' sliding { normal: 'y' } }\n"
+                                              "boundary { name: 'x0' sliding { normal: 'x' } }\n"
+                                              "boundary { name: 'x1' sliding { normal: 'x' } }\n"
+                                              "interface: 'z1'\n"
+                                              "output { field_interval: 0 }\n";
+  std::ofstream(folder / "case.textproto") << fmt::format(
+      "name: 'membrane on fluid' run_directory: 'run'\n"
+      "structure {{ command: 'structure_solver' config: 'structure.textproto' }}\n"
+      "mesh_mover {{ command: 'mesh_mover' config: 'mesh.textproto' }}\n"
+      "fluid {{ command: 'fluid_solver' config: 'fluid.textproto' }}\n"
+      "time {{ step: {} steps: {} }}\n"
+      "loop {{ relative: 1e-4 }}\n"
+      "outer_boundary: FIXED\n",
+      dt, steps);
+}
+
+/// Frequency of the least-squares fit a cos(omega t) + b sin(omega t) + c to equidistant samples.
+double fitted_omega(const std::vector<double>& t, const std::vector<double>& w, double lower, double upper) {
+  const auto misfit = [&](double omega) {
+    Eigen::MatrixXd A(static_cast<Eigen::Index>(t.size()), 3);
+    Eigen::VectorXd b(A.rows());
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      const auto s = static_cast<std::size_t>(i);
+      A.row(i) << std::cos(omega * t[s]), std::sin(omega * t[s]), 1;
+      b[i] = w[s];
+    }
+    return (A * A.colPivHouseholderQr().solve(b) - b).norm();
+  };
+  constexpr double golden = 0.6180339887498949;
+  while (upper - lower > 1e-7 * upper) { // golden section
+    const double a = upper - golden * (upper - lower), b = lower + golden * (upper - lower);
+    (misfit(a) < misfit(b) ? upper : lower) = misfit(a) < misfit(b) ? b : a;
+  }
+  return 0.5 * (lower + upper);
+}
+
+TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
+  const auto folder = fresh_folder("run");
+  const mesh::Mesh structure = structure_mesh();
+  ASSERT_TRUE(mesh::write_msh(folder / "structure.msh", structure).ok());
+  ASSERT_TRUE(mesh::write_msh(folder / "fluid.msh", fluid_mesh()).ok());
+  write_start(folder, structure);
+  const double period = 2 * std::numbers::pi / exact_omega(), dt = period / 48;
+  const int steps = 60;
+  write_configs(folder, dt, steps);
+
+  auto coupler = launcher::Process::start({{std::string(DROGUE_BIN_DIR) + "/coupler", "run", "case.textproto"},
+                                           {},
+                                           folder,
+                                           folder / "output.txt"});
+  ASSERT_TRUE(coupler.ok());
+  const auto& exit = coupler->wait(std::chrono::minutes(5));
+  ASSERT_TRUE(exit.has_value() && exit->clean()) << read_text(folder / "output.txt");
+
+  const Table drag = read_csv(folder / "run/drag.csv"), coupling = read_csv(folder / "run/coupling.csv");
+  std::vector<double> t, w;
+  for (std::size_t n = 0; n < drag.rows.size(); ++n) {
+    t.push_back(drag.at(n, "time"));
+    w.push_back(drag.at(n, "mean_displacement_z")); // 2/pi times the amplitude of the mode, from the start's
+  }
+  verify_relative("coupler/membrane_on_fluid", "omega", fitted_omega(t, w, 0.5 * exact_omega(), 2 * exact_omega()),
+                  exact_omega(), 0.03);
+  // It comes down to the other side by nearly the same amplitude: the load has the right sign and size.
+  const double lowest = *std::min_element(w.begin(), w.end());
+  verify_relative("coupler/membrane_on_fluid", "swing", lowest, -2 * amplitude * 2 / std::numbers::pi, 0.05);
+  double worst = 0;
+  for (std::size_t i = 0; i < coupling.rows.size(); ++i) worst = std::max(worst, coupling.at(i, "force_defect"));
+  verify("coupler/membrane_on_fluid", "force_defect", worst, 0, 1e-12);
+}
+
+} // namespace
+} // namespace drogue::test
