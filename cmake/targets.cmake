@@ -53,7 +53,8 @@ function(drogue_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
   target_compile_definitions(${name} PRIVATE DROGUE_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
-                                             DROGUE_BIN_DIR="${CMAKE_BINARY_DIR}/bin")
+                                             DROGUE_BIN_DIR="${CMAKE_BINARY_DIR}/bin"
+                                             DROGUE_TEST_BIN_DIR="${CMAKE_BINARY_DIR}/tests")
   target_link_libraries(${name} PRIVATE drogue_options ${ARG_DEPS} GTest::gtest GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/tests)

@@ -69,7 +69,7 @@ void write_configs(const std::filesystem::path& folder, double dt, int steps) {
   std::ofstream(folder / "structure.textproto") << fmt::format(
       "mesh: 'structure.msh' initial_state: 'start.state' interface: 'membrane'\n"
       "membrane {{ group: 'membrane' thickness: 0.001 density: {} youngs_modulus: 10 poisson_ratio: 0 prestress: {} }}\n"
-      "support {{ group: 'ends' }}\n"
+      "support {{ group: 'ends' components: 'z' }}\n"
       "support {{ group: 'membrane' components: 'xy' }}\n"
       "time {{ step: {} rho_infinity: 0.9 }}\n"
       "newton {{ displacement_tolerance: 1e-12 }}\n"
