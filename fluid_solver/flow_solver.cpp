@@ -164,7 +164,7 @@ Result<double> FlowSolver::evaluate(bool jacobian) {
   return norm;
 }
 
-Result<NewtonReport> FlowSolver::newton(int iterations) {
+Result<NewtonReport> FlowSolver::newton(int iterations, bool all) {
   NewtonReport report;
   double previous = 0;
   for (int k = 0; k < iterations; ++k) {
@@ -178,7 +178,7 @@ Result<NewtonReport> FlowSolver::newton(int iterations) {
     }
     previous = *norm;
     if (jacobian) updates_since_jacobian_ = 0;
-    if (total_.converged) break;
+    if (all ? *norm <= residual_floor_ : total_.converged) break;
     const auto solved = active_->solve_and_add(data_.unknowns);
     if (!solved) return solved.error();
     ++updates_since_jacobian_;
