@@ -73,6 +73,7 @@ class Collector : public google::protobuf::io::ErrorCollector {
       if (descriptor) text += suggestion(field, field_names(*descriptor));
     } else if (message.find("Unknown enumeration value") != std::string::npos) {
       const std::string value = quoted(message, 0), field = quoted(message, 1);
+      move_back_to(value, line, column);
       const std::vector<std::string> valid = enumeration_of(root_, field);
       text = fmt::format("\"{}\" is not a value of {}{} (valid: {})", value, field, suggestion(value, valid),
                          fmt::join(valid, ", "));
@@ -82,7 +83,7 @@ class Collector : public google::protobuf::io::ErrorCollector {
     report_.error(line < 0 ? file : fmt::format("{}:{}:{}", file, line + 1, column + 1), text);
   }
 
-  /// The parser points behind an unknown field's name; moves (line, column) back to the name itself.
+  /// The parser points behind an unknown name; moves (line, column) back to the name itself.
   void move_back_to(const std::string& name, int& line, int& column) const {
     for (int l = std::min(line, static_cast<int>(lines_.size()) - 1); l >= 0; --l) {
       const std::string& text = lines_[static_cast<std::size_t>(l)];
