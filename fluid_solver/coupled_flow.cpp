@@ -97,7 +97,8 @@ Result<void> CoupledFlow::iterate(const std::vector<double>& numbers) {
       wall_n[i] = has_start ? all[1 + n3 + k3 + 3 * k + d] : solver.state().wall_velocity[i];
     }
   DROGUE_TRY(solver.set_end(x, wall_n, wall_np1));
-  // 3. Newton, from the last iterate of this step; never none, or small changes of the wall would go unanswered
+  // 3. Newton, from the last iterate of this step; never none, or small changes of the wall would go
+  // unanswered
   auto report = solver.newton(input_.settings.newton.iterations_per_coupling, true);
   if (!report) return report.error();
   report_ = *report;

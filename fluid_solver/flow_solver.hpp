@@ -65,8 +65,8 @@ class FlowSolver {
   /// mesh and walls stay at rest. Errors (retryable): an inverted element.
   [[nodiscard]] Result<void> set_end(std::span<const double> x_np1, std::span<const double> wall_n,
                                      std::span<const double> wall_np1);
-  /// At most `iterations` Newton iterations; stops early at the settings' residual tolerance or, with `all`, at
-  /// rounding alone.
+  /// At most `iterations` Newton iterations; stops early at the settings' residual tolerance or, with `all`,
+  /// at rounding alone.
   [[nodiscard]] Result<NewtonReport> newton(int iterations, bool all = false);
   /// Evaluates the residual at the last iterate: reactions, and the step's final figures.
   [[nodiscard]] Result<NewtonReport> finish();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every file of tests/config_invalid is refused by its program's `check`, with the message and position that the file
-// itself announces:
+// Every file of tests/config_invalid is refused by its program's `check`, with the message and position that
+// the file itself announces:
 //   # check: structure_solver
 //   # expect: 7:3: error: part of the message      (one line for each expected error; no others may come)
 #include <algorithm>
@@ -34,10 +34,12 @@ std::vector<fs::path> invalid_files() {
 /// box.msh: a box of tetrahedra with sides x0 ... z1; patch.msh: a membrane "canopy" and a cable "line".
 void write_meshes(const fs::path& folder) {
   const auto grid = uniform(0, 1, 2);
-  ASSERT_TRUE(mesh::write_msh(folder / "box.msh", box_mesh({grid, grid, grid}, [](int, int, int) { return false; })));
+  ASSERT_TRUE(
+      mesh::write_msh(folder / "box.msh", box_mesh({grid, grid, grid}, [](int, int, int) { return false; })));
   mesh::Mesh patch;
   patch.points = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, -1};
-  patch.blocks = {{"canopy", mesh::ElementKind::tri3, {0, 1, 2, 0, 2, 3}}, {"line", mesh::ElementKind::line2, {0, 4}}};
+  patch.blocks = {{"canopy", mesh::ElementKind::tri3, {0, 1, 2, 0, 2, 3}},
+                  {"line", mesh::ElementKind::line2, {0, 4}}};
   ASSERT_TRUE(mesh::write_msh(folder / "patch.msh", patch));
 }
 
@@ -50,27 +52,33 @@ TEST_P(InvalidConfig, IsRefusedAsAnnounced) {
   ASSERT_FALSE(expected.empty()) << "no '# expect: ...' line";
   const auto folder = fresh_folder(file.stem().string());
   write_meshes(folder);
-  for (const fs::path& each : invalid_files()) fs::copy_file(each, folder / each.filename()); // a case may name others
+  for (const fs::path& each : invalid_files())
+    fs::copy_file(each, folder / each.filename()); // a case may name others
 
-  auto process = launcher::Process::start({{fmt::format("{}/{}", DROGUE_BIN_DIR, program[0]), "check", file.filename()},
-                                           {"OMPI_MCA_ess_singleton_isolated=1"},
-                                           folder,
-                                           folder / "output.txt"});
+  auto process =
+      launcher::Process::start({{fmt::format("{}/{}", DROGUE_BIN_DIR, program[0]), "check", file.filename()},
+                                {"OMPI_MCA_ess_singleton_isolated=1"},
+                                folder,
+                                folder / "output.txt"});
   ASSERT_TRUE(process.ok());
   const auto& exit = process->wait(std::chrono::seconds(30));
   ASSERT_TRUE(exit.has_value());
   EXPECT_EQ(exit->status, 2);
 
   const std::string output = read_text(folder / "output.txt");
-  for (const std::string& line : expected) EXPECT_NE(output.find(line), std::string::npos) << line << "\nin:\n" << output;
+  for (const std::string& line : expected)
+    EXPECT_NE(output.find(line), std::string::npos) << line << "\nin:\n" << output;
   std::size_t errors = 0;
-  for (std::size_t at = output.find(": error: "); at != std::string::npos; at = output.find(": error: ", at + 1)) ++errors;
+  for (std::size_t at = output.find(": error: "); at != std::string::npos;
+       at = output.find(": error: ", at + 1))
+    ++errors;
   EXPECT_EQ(errors, expected.size()) << output;
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, InvalidConfig, testing::ValuesIn(invalid_files()), [](const auto& file) {
   std::string name = file.param.stem().string();
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
   return name;
 });
 

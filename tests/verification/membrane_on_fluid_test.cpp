@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A taut membrane over a layer of fluid, four processes, against the exact added mass.
 //
-// Membrane z = H, mass m_s an area, tension T, held at x = 0 and L; fluid below it, rigid floor at z = 0, p = 0 at x = 0
-// and L. Small amplitude: w = a sin(kx) cos(omega t), phi ~ sin(kx) cosh(kz), k = pi / L, and
+// Membrane z = H, mass m_s an area, tension T, held at x = 0 and L; fluid below it, rigid floor at z = 0, p =
+// 0 at x = 0 and L. Small amplitude: w = a sin(kx) cos(omega t), phi ~ sin(kx) cosh(kz), k = pi / L, and
 //   omega^2 = T k^2 / (m_s + rho coth(kH) / k).
 // The fluid's share of the mass is ten times the membrane's.
 #include <algorithm>
@@ -23,11 +23,18 @@ namespace {
 
 constexpr double L = 1, H = 0.5, width = 0.05, rho = 1, tension = 1, amplitude = 1e-3;
 constexpr double k = std::numbers::pi / L;
-constexpr int fluid_x = 28, fluid_z = 14, structure_x = 10; // not matching: 28 triangles' edges against 20 half elements
+constexpr int fluid_x = 28, fluid_z = 14,
+              structure_x = 10; // not matching: 28 triangles' edges against 20 half elements
 
-double added_mass() { return rho / (std::tanh(k * H) * k); }
-double structure_mass() { return added_mass() / 10; }
-double exact_omega() { return std::sqrt(tension * k * k / (structure_mass() + added_mass())); }
+double added_mass() {
+  return rho / (std::tanh(k * H) * k);
+}
+double structure_mass() {
+  return added_mass() / 10;
+}
+double exact_omega() {
+  return std::sqrt(tension * k * k / (structure_mass() + added_mass()));
+}
 
 /// A box one cell wide, whose cells grow thinner towards the membrane.
 mesh::Mesh fluid_mesh() {
@@ -66,28 +73,29 @@ void write_start(const std::filesystem::path& folder, const mesh::Mesh& structur
 }
 
 void write_configs(const std::filesystem::path& folder, double dt, int steps) {
-  std::ofstream(folder / "structure.textproto") << fmt::format(
-      "mesh: 'structure.msh' initial_state: 'start.state' interface: 'membrane'\n"
-      "membrane {{ group: 'membrane' thickness: 0.001 density: {} youngs_modulus: 10 poisson_ratio: 0 prestress: {} }}\n"
-      "support {{ group: 'ends' components: 'z' }}\n"
-      "support {{ group: 'membrane' components: 'xy' }}\n"
-      "time {{ step: {} rho_infinity: 0.9 }}\n"
-      "newton {{ displacement_tolerance: 1e-12 }}\n"
-      "output {{ field_interval: 0 }}\n",
-      structure_mass() / 0.001, tension / 0.001, dt);
-  std::ofstream(folder / "fluid.textproto") << fmt::format(
-      "mesh: 'fluid.msh' density: {} dynamic_viscosity: 1e-6\n"
-      "phase {{ formulation: DSD_SST step: {} }}\n"
-      "boundary {{ name: 'z1' no_slip {{ components: 'z' }} }}\n"
-      "boundary {{ name: 'z0' free_slip {{}} }}\n"
-      "boundary {{ name: 'y0' free_slip {{}} }}\n"
-      "boundary {{ name: 'y1' free_slip {{}} }}\n"
-      "boundary {{ name: 'x0' traction_free {{ backflow: 0 }} }}\n"
-      "boundary {{ name: 'x1' traction_free {{ backflow: 0 }} }}\n"
-      "interface: 'z1'\n"
-      "linear {{ tolerance: 1e-4 }}\n"
-      "output {{ field_interval: 0 }}\n",
-      rho, dt);
+  std::ofstream(folder / "structure.textproto")
+      << fmt::format("mesh: 'structure.msh' initial_state: 'start.state' interface: 'membrane'\n"
+                     "membrane {{ group: 'membrane' thickness: 0.001 density: {} youngs_modulus: 10 "
+                     "poisson_ratio: 0 prestress: {} }}\n"
+                     "support {{ group: 'ends' components: 'z' }}\n"
+                     "support {{ group: 'membrane' components: 'xy' }}\n"
+                     "time {{ step: {} rho_infinity: 0.9 }}\n"
+                     "newton {{ displacement_tolerance: 1e-12 }}\n"
+                     "output {{ field_interval: 0 }}\n",
+                     structure_mass() / 0.001, tension / 0.001, dt);
+  std::ofstream(folder / "fluid.textproto")
+      << fmt::format("mesh: 'fluid.msh' density: {} dynamic_viscosity: 1e-6\n"
+                     "phase {{ formulation: DSD_SST step: {} }}\n"
+                     "boundary {{ name: 'z1' no_slip {{ components: 'z' }} }}\n"
+                     "boundary {{ name: 'z0' free_slip {{}} }}\n"
+                     "boundary {{ name: 'y0' free_slip {{}} }}\n"
+                     "boundary {{ name: 'y1' free_slip {{}} }}\n"
+                     "boundary {{ name: 'x0' traction_free {{ backflow: 0 }} }}\n"
+                     "boundary {{ name: 'x1' traction_free {{ backflow: 0 }} }}\n"
+                     "interface: 'z1'\n"
+                     "linear {{ tolerance: 1e-4 }}\n"
+                     "output {{ field_interval: 0 }}\n",
+                     rho, dt);
   std::ofstream(folder / "mesh.textproto") << "mesh: 'fluid.msh' tolerance: 1e-8\n"
                                               "boundary { name: 'z1' displacement {} }\n"
                                               "boundary { name: 'z0' fixed {} }\n"
@@ -97,15 +105,15 @@ void write_configs(const std::filesystem::path& folder, double dt, int steps) {
                                               "boundary { name: 'x1' sliding { normal: 'x' } }\n"
                                               "interface: 'z1'\n"
                                               "output { field_interval: 0 }\n";
-  std::ofstream(folder / "case.textproto") << fmt::format(
-      "name: 'membrane on fluid' run_directory: 'run'\n"
-      "structure {{ command: 'structure_solver' config: 'structure.textproto' }}\n"
-      "mesh_mover {{ command: 'mesh_mover' config: 'mesh.textproto' }}\n"
-      "fluid {{ command: 'fluid_solver' config: 'fluid.textproto' }}\n"
-      "time {{ step: {} steps: {} }}\n"
-      "loop {{ relative: 1e-4 }}\n"
-      "outer_boundary: FIXED\n",
-      dt, steps);
+  std::ofstream(folder / "case.textproto")
+      << fmt::format("name: 'membrane on fluid' run_directory: 'run'\n"
+                     "structure {{ command: 'structure_solver' config: 'structure.textproto' }}\n"
+                     "mesh_mover {{ command: 'mesh_mover' config: 'mesh.textproto' }}\n"
+                     "fluid {{ command: 'fluid_solver' config: 'fluid.textproto' }}\n"
+                     "time {{ step: {} steps: {} }}\n"
+                     "loop {{ relative: 1e-4 }}\n"
+                     "outer_boundary: FIXED\n",
+                     dt, steps);
 }
 
 /// Frequency of the least-squares fit a cos(omega t) + b sin(omega t) + c to equidistant samples.
@@ -138,10 +146,11 @@ TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
   const int steps = 60;
   write_configs(folder, dt, steps);
 
-  auto coupler = launcher::Process::start({{std::string(DROGUE_BIN_DIR) + "/coupler", "run", "case.textproto"},
-                                           {},
-                                           folder,
-                                           folder / "output.txt"});
+  auto coupler =
+      launcher::Process::start({{std::string(DROGUE_BIN_DIR) + "/coupler", "run", "case.textproto"},
+                                {},
+                                folder,
+                                folder / "output.txt"});
   ASSERT_TRUE(coupler.ok());
   const auto& exit = coupler->wait(std::chrono::minutes(5));
   ASSERT_TRUE(exit.has_value() && exit->clean()) << read_text(folder / "output.txt");
@@ -152,13 +161,14 @@ TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
     t.push_back(drag.at(n, "time"));
     w.push_back(drag.at(n, "mean_displacement_z")); // 2/pi times the amplitude of the mode, from the start's
   }
-  verify_relative("coupler/membrane_on_fluid", "omega", fitted_omega(t, w, 0.5 * exact_omega(), 2 * exact_omega()),
-                  exact_omega(), 0.03);
+  verify_relative("coupler/membrane_on_fluid", "omega",
+                  fitted_omega(t, w, 0.5 * exact_omega(), 2 * exact_omega()), exact_omega(), 0.03);
   // It comes down to the other side by nearly the same amplitude: the load has the right sign and size.
   const double lowest = *std::min_element(w.begin(), w.end());
   verify_relative("coupler/membrane_on_fluid", "swing", lowest, -2 * amplitude * 2 / std::numbers::pi, 0.05);
   double worst = 0;
-  for (std::size_t i = 0; i < coupling.rows.size(); ++i) worst = std::max(worst, coupling.at(i, "force_defect"));
+  for (std::size_t i = 0; i < coupling.rows.size(); ++i)
+    worst = std::max(worst, coupling.at(i, "force_defect"));
   verify("coupler/membrane_on_fluid", "force_defect", worst, 0, 1e-12);
 }
 
