@@ -72,7 +72,8 @@ void write_start(const std::filesystem::path& folder, const mesh::Mesh& structur
   ASSERT_TRUE(io::write_state(folder / "start.state", state).ok());
 }
 
-void write_configs(const std::filesystem::path& folder, double dt, int steps) {
+/// `mesh_mover`: which program moves the mesh, as in the case's own field.
+void write_configs(const std::filesystem::path& folder, const std::string& mesh_mover, double dt, int steps) {
   std::ofstream(folder / "structure.textproto")
       << fmt::format("mesh: 'structure.msh' initial_state: 'start.state' interface: 'membrane'\n"
                      "membrane {{ group: 'membrane' thickness: 0.001 density: {} youngs_modulus: 10 "
@@ -108,12 +109,12 @@ void write_configs(const std::filesystem::path& folder, double dt, int steps) {
   std::ofstream(folder / "case.textproto")
       << fmt::format("name: 'membrane on fluid' run_directory: 'run'\n"
                      "structure {{ command: 'structure_solver' config: 'structure.textproto' }}\n"
-                     "mesh_mover {{ command: 'mesh_mover' config: 'mesh.textproto' }}\n"
+                     "mesh_mover {{ {} }}\n"
                      "fluid {{ command: 'fluid_solver' config: 'fluid.textproto' }}\n"
                      "time {{ step: {} steps: {} }}\n"
                      "loop {{ relative: 1e-4 }}\n"
                      "outer_boundary: FIXED\n",
-                     dt, steps);
+                     mesh_mover, dt, steps);
 }
 
 /// Frequency of the least-squares fit a cos(omega t) + b sin(omega t) + c to equidistant samples.
@@ -136,7 +137,8 @@ double fitted_omega(const std::vector<double>& t, const std::vector<double>& w, 
   return 0.5 * (lower + upper);
 }
 
-TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
+/// Runs the case and compares with the exact solution; `name` in the table of verifications.
+void verify_with(const std::string& mesh_mover, const std::string& name) {
   const auto folder = fresh_folder("run");
   const mesh::Mesh structure = structure_mesh();
   ASSERT_TRUE(mesh::write_msh(folder / "structure.msh", structure).ok());
@@ -144,7 +146,7 @@ TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
   write_start(folder, structure);
   const double period = 2 * std::numbers::pi / exact_omega(), dt = period / 48;
   const int steps = 60;
-  write_configs(folder, dt, steps);
+  write_configs(folder, mesh_mover, dt, steps);
 
   auto coupler =
       launcher::Process::start({{std::string(DROGUE_BIN_DIR) + "/coupler", "run", "case.textproto"},
@@ -161,15 +163,27 @@ TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
     t.push_back(drag.at(n, "time"));
     w.push_back(drag.at(n, "mean_displacement_z")); // 2/pi times the amplitude of the mode, from the start's
   }
-  verify_relative("coupler/membrane_on_fluid", "omega",
-                  fitted_omega(t, w, 0.5 * exact_omega(), 2 * exact_omega()), exact_omega(), 0.03);
+  verify_relative(name, "omega", fitted_omega(t, w, 0.5 * exact_omega(), 2 * exact_omega()), exact_omega(),
+                  0.03);
   // It comes down to the other side by nearly the same amplitude: the load has the right sign and size.
   const double lowest = *std::min_element(w.begin(), w.end());
-  verify_relative("coupler/membrane_on_fluid", "swing", lowest, -2 * amplitude * 2 / std::numbers::pi, 0.05);
+  verify_relative(name, "swing", lowest, -2 * amplitude * 2 / std::numbers::pi, 0.05);
   double worst = 0;
   for (std::size_t i = 0; i < coupling.rows.size(); ++i)
     worst = std::max(worst, coupling.at(i, "force_defect"));
-  verify("coupler/membrane_on_fluid", "force_defect", worst, 0, 1e-12);
+  verify(name, "force_defect", worst, 0, 1e-12);
+}
+
+TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
+  verify_with("command: 'mesh_mover' config: 'mesh.textproto'", "coupler/membrane_on_fluid");
+}
+
+// A program in another language takes the place of ours: the example of examples/python_mesh_mover.
+TEST(MembraneOnFluid, APythonMeshMoverTakesThePlaceOfOurs) {
+  verify_with("command: '" DROGUE_SOURCE_DIR "/examples/python_mesh_mover/mesh_mover.py' "
+              "argument: '--mesh' argument: '${config_dir}/fluid.msh' argument: '--interface' argument: 'z1' "
+              "environment: 'PYTHONPATH=" DROGUE_PYTHON_DIR "'",
+              "coupler/membrane_on_fluid_python");
 }
 
 } // namespace
