@@ -1,0 +1,60 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Does a coupled parachute run hold together? assess.py RUN_DIR reads coupling.csv, drag.csv and the structure's series of
+a coupled run, and prints a line a quantity, `VERIFY case quantity ours reference tolerance pass|FAIL`.
+Exit status 1 if any fails, 2 if a file is missing.
+"""
+import csv
+import pathlib
+import sys
+
+
+def read(file):
+    with open(file, newline="") as stream:
+        rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(stream)]
+    if not rows:
+        sys.exit(f"{file} holds no rows")
+    return rows
+
+
+def mean(rows, name):
+    return sum(row[name] for row in rows) / len(rows)
+
+
+class Table:
+    def __init__(self, case):
+        self.case, self.passed = case, True
+
+    def between(self, quantity, ours, lower, upper):
+        passed = lower <= ours <= upper
+        self.passed = self.passed and passed
+        centre, width = 0.5 * (lower + upper), 0.5 * (upper - lower)
+        print(f"VERIFY {self.case} {quantity} {ours:.6g} {centre:.6g} {width:.3g} {'pass' if passed else 'FAIL'}")
+
+
+def main(run):
+    try:
+        coupling, drag = read(run / "coupling.csv"), read(run / "drag.csv")
+        structure = read(run / "structure" / "structure.csv")
+    except FileNotFoundError as missing:
+        print(f"{missing.filename} is missing: is {run} the folder of a coupled run?", file=sys.stderr)
+        return 2
+    steps = len(drag)
+    settled = slice(3 * steps // 4, None)
+    table = Table("t10/" + run.resolve().parent.name)
+    print(f"{steps} steps, {mean(drag, 'iterations'):.2f} iterations a step on average")
+    table.between("unconverged_steps", sum(row["converged"] != 1 for row in drag), 0, 0)
+    table.between("largest_force_defect", max(row["force_defect"] for row in coupling), 0, 1e-12)
+    table.between("drag_coefficient", mean(drag[settled], "cd"), 0.4, 1.2)
+    # The lines hold what the air gives, up to the canopy's inertia.
+    lines, air = mean(structure[-steps:][settled], "reaction_confluence_z"), mean(drag[settled], "force_z")
+    table.between("line_force_over_drag", -lines / air, 0.95, 1.05)
+    table.between("slack_cables", max(row["slack_fraction"] for row in structure[-steps:][settled]), 0, 0.05)
+    table.between("smallest_volume_ratio", min(row["smallest_volume_ratio"] for row in coupling), 0.05, 2)
+    return 0 if table.passed else 1
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    sys.exit(main(pathlib.Path(sys.argv[1])))
