@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "mesh_mover/graph.hpp"
+
 namespace drogue::mesh_mover {
 namespace {
 
@@ -11,33 +13,6 @@ constexpr std::int32_t none = -1;
 constexpr std::uint8_t all_given = 7;
 /// Nodes of an aggregate, about.
 constexpr std::size_t aggregate_size = 50;
-
-/// Neighbours of each node in compressed rows, from the lower triangle.
-struct Graph {
-  std::vector<std::size_t> start;
-  std::vector<std::int32_t> neighbour;
-
-  explicit Graph(const SymmetricBlocks<double>& A) : start(A.rows() + 1, 0) {
-    for_each_pair(A, [&](std::size_t i, std::size_t j) {
-      ++start[i + 1];
-      ++start[j + 1];
-    });
-    for (std::size_t i = 0; i < A.rows(); ++i) start[i + 1] += start[i];
-    neighbour.resize(start.back());
-    std::vector<std::size_t> next(start.begin(), start.end() - 1);
-    for_each_pair(A, [&](std::size_t i, std::size_t j) {
-      neighbour[next[i]++] = static_cast<std::int32_t>(j);
-      neighbour[next[j]++] = static_cast<std::int32_t>(i);
-    });
-  }
-
-  template <class Visit>
-  static void for_each_pair(const SymmetricBlocks<double>& A, Visit&& visit) {
-    for (std::size_t i = 0; i < A.rows(); ++i)
-      for (std::size_t k = A.begin(i); k < A.diagonal(i); ++k)
-        visit(i, static_cast<std::size_t>(A.column[k]));
-  }
-};
 
 } // namespace
 
@@ -72,14 +47,14 @@ void CoarseSpace::gather(const SymmetricBlocks<double>& A) {
     aggregate_[static_cast<std::size_t>(seed)] = count_;
     for (std::size_t k = 0; k < front.size(); ++k) {
       const auto i = static_cast<std::size_t>(front[k]);
-      for (std::size_t m = graph.start[i]; m < graph.start[i + 1]; ++m) {
-        const auto j = static_cast<std::size_t>(graph.neighbour[m]);
+      for (const std::int32_t neighbour : graph.neighbours(i)) {
+        const auto j = static_cast<std::size_t>(neighbour);
         if (!is_open(j)) continue;
         if (front.size() < aggregate_size) {
           aggregate_[j] = count_;
-          front.push_back(graph.neighbour[m]);
+          front.push_back(neighbour);
         } else {
-          seeds.push_back(graph.neighbour[m]);
+          seeds.push_back(neighbour);
         }
       }
     }

@@ -21,7 +21,8 @@ double IncompleteCholesky::factor(const SymmetricBlocks<double>& A) {
     L_.row_start = A.row_start;
     L_.column = A.column;
     L_.values.resize(A.values.size());
-    work_.resize(3 * A.rows());
+    y_.resize(3 * A.rows());
+    z_.resize(3 * A.rows());
   }
   double shift = 0;
   while (!try_factor(A, shift)) shift = shift == 0 ? 1e-3 : 4 * shift; // diagonally dominant in the end
@@ -71,23 +72,22 @@ bool IncompleteCholesky::factor_row(const SymmetricBlocks<double>& A, std::size_
 void IncompleteCholesky::apply(std::span<const double> r, std::span<double> z) noexcept {
   for (std::size_t i = 0; i < L_.rows(); ++i) {
     Vector y = Eigen::Map<const Eigen::Vector3d>(&r[3 * i]).cast<float>();
-    for (std::size_t p = L_.begin(i); p < L_.diagonal(i); ++p)
-      y.noalias() -=
-          L_.block(p) * Eigen::Map<const Vector>(&work_[3 * static_cast<std::size_t>(L_.column[p])]);
-    Eigen::Map<Vector> target(&work_[3 * i]);
-    target = y;
-  }
-  for (std::size_t i = 0; i < L_.rows(); ++i) {
-    Eigen::Map<Vector> y(&work_[3 * i]);
-    y = (L_.block(L_.diagonal(i)) * y).eval();
+    const std::size_t diagonal = L_.diagonal(i);
+    for (std::size_t p = L_.begin(i); p < diagonal; ++p)
+      y.noalias() -= L_.block(p) * Eigen::Map<const Vector>(&y_[3 * static_cast<std::size_t>(L_.column[p])]);
+    Eigen::Map<Vector> y_i(&y_[3 * i]);
+    Eigen::Map<Vector> z_i(&z_[3 * i]);
+    y_i = y;
+    z_i.noalias() = L_.block(diagonal) * y;
   }
   for (std::size_t i = L_.rows(); i-- > 0;) {
-    const Vector y = Eigen::Map<const Vector>(&work_[3 * i]);
-    for (std::size_t p = L_.begin(i); p < L_.diagonal(i); ++p)
-      Eigen::Map<Vector>(&work_[3 * static_cast<std::size_t>(L_.column[p])]).noalias() -=
-          L_.block(p).transpose() * y;
+    const Vector z_i = Eigen::Map<const Vector>(&z_[3 * i]);
+    const std::size_t begin = L_.begin(i);
+    for (std::size_t p = L_.diagonal(i); p-- > begin;) // backwards, as memory is read
+      Eigen::Map<Vector>(&z_[3 * static_cast<std::size_t>(L_.column[p])]).noalias() -=
+          L_.block(p).transpose() * z_i;
     Eigen::Map<Eigen::Vector3d> target(&z[3 * i]);
-    target = y.cast<double>();
+    target = z_i.cast<double>();
   }
 }
 

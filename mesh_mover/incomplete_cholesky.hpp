@@ -24,7 +24,8 @@ class IncompleteCholesky {
   [[nodiscard]] bool factor_row(const SymmetricBlocks<double>& A, std::size_t i, float scale);
 
   SymmetricBlocks<float> L_; // strictly lower blocks L_ij; on the diagonal D_i^-1
-  std::vector<float> work_;
+  std::vector<float> y_;     // L y = r
+  std::vector<float> z_;     // D^-1 y, then the solution
 };
 
 } // namespace drogue::mesh_mover

@@ -55,14 +55,16 @@ MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, BoundaryMotion m
       initial_jacobians_(std::move(jacobians)),
       solid_(pseudo_solid(settings.poisson_ratio, settings.stiffening_exponent, mean(initial_jacobians_))),
       stiffness_(tets_, motion_.given()),
-      solver_(stiffness_.matrix(), stiffness_.given()),
+      solver_(stiffness_.matrix(), stiffness_.given_rows()),
       u_n_(mesh_.points.size(), 0.0),
       increment_n_(u_n_),
       u_np1_(u_n_),
       points_np1_(mesh_.points),
       w_(u_n_),
       load_(u_n_),
-      work_(u_n_) {}
+      work_(u_n_),
+      load_rows_(u_n_),
+      w_rows_(u_n_) {}
 
 Result<void> MeshMover::prepare(std::span<const double> points) {
   stiffness_.assemble(solid_, points);
@@ -115,9 +117,13 @@ Result<SolveOutcome> MeshMover::relax(const BoundaryInput& input, double& refere
       w_ = u_n_;
     return SolveOutcome{true, 0, 0};
   }
-  // 3. the linear system
+  // 3. the linear system, in the numbering of the matrix
   const double tolerance = std::max(settings_.tolerance * reference, rounding * free_norm(stiffness_, load_));
-  return solver_.solve(load_, w_, tolerance, settings_.max_iterations);
+  stiffness_.to_rows(load_, load_rows_);
+  stiffness_.to_rows(w_, w_rows_);
+  auto outcome = solver_.solve(load_rows_, w_rows_, tolerance, settings_.max_iterations);
+  stiffness_.to_nodes(w_rows_, w_);
+  return outcome;
 }
 
 Result<SolveReport> MeshMover::solve(const BoundaryInput& input) {

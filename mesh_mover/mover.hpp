@@ -90,6 +90,7 @@ class MeshMover {
   std::vector<double> w_; // unknown: the increment, or the displacement for Increment::from_initial
   std::vector<double> load_;
   std::vector<double> work_;
+  std::vector<double> load_rows_, w_rows_; // load and unknown in the order of the matrix
 };
 
 } // namespace drogue::mesh_mover

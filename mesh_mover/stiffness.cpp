@@ -2,7 +2,9 @@
 #include "mesh_mover/stiffness.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <utility>
+
+#include "mesh_mover/numbering.hpp"
 
 namespace drogue::mesh_mover {
 namespace {
@@ -22,7 +24,15 @@ Eigen::Matrix<double, 3, 4> element_force(const PseudoSolid& solid,
 } // namespace
 
 Stiffness::Stiffness(std::span<const std::int32_t> tets, Mask given)
-    : tets_(tets), given_(std::move(given)), matrix_(lower_pattern(tets, given_.size())) {
+    : tets_(tets),
+      given_(std::move(given)),
+      row_of_(reverse_cuthill_mckee(tets, given_.size())),
+      tet_rows_(tets.size()),
+      given_rows_(given_.size()) {
+  for (std::size_t k = 0; k < tets_.size(); ++k) tet_rows_[k] = row_of_[static_cast<std::size_t>(tets_[k])];
+  for (std::size_t i = 0; i < given_.size(); ++i)
+    given_rows_[static_cast<std::size_t>(row_of_[i])] = given_[i];
+  matrix_ = lower_pattern(tet_rows_, given_.size());
   find_places();
   for (std::size_t e = 0; e < tets_.size() / 4; ++e)
     if (std::any_of(&tets_[4 * e], &tets_[4 * e] + 4,
@@ -35,7 +45,7 @@ void Stiffness::find_places() {
   for (std::size_t e = 0; e < tets_.size() / 4; ++e)
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b <= a; ++b) {
-        const auto [low, high] = std::minmax(tets_[4 * e + a], tets_[4 * e + b]);
+        const auto [low, high] = std::minmax(tet_rows_[4 * e + a], tet_rows_[4 * e + b]);
         places_.push_back(place_of(matrix_, high, low));
       }
 }
@@ -49,24 +59,21 @@ void Stiffness::assemble(const PseudoSolid& solid, std::span<const double> point
     element.gradients = geometry.gradients;
     element.weight = stiffness_weight(solid, geometry.jacobian);
   }
-  for (std::size_t i = 0; i < given_.size(); ++i)
+  for (std::size_t row = 0; row < given_rows_.size(); ++row)
     for (int c = 0; c < 3; ++c)
-      if (is_given(i, c)) matrix_.block(matrix_.diagonal(i))(c, c) = 1;
+      if (given_rows_[row] >> c & 1) matrix_.block(matrix_.diagonal(row))(c, c) = 1;
 }
 
 void Stiffness::add_element(const PseudoSolid& solid, std::span<const double> points, std::size_t e) {
-  const auto nodes = tets_.subspan(4 * e, 4);
-  const TetGeometry geometry = tet_geometry(points, nodes);
+  const TetGeometry geometry = tet_geometry(points, tets_.subspan(4 * e, 4));
   const double weight = stiffness_weight(solid, geometry.jacobian);
+  const std::int32_t* rows = &tet_rows_[4 * e];
   const std::int32_t* place = &places_[10 * e];
   for (int a = 0; a < 4; ++a)
     for (int b = 0; b <= a; ++b, ++place) {
-      const bool a_is_row = nodes[static_cast<std::size_t>(a)] >= nodes[static_cast<std::size_t>(b)];
-      const int row = a_is_row ? a : b;
-      const int column = a_is_row ? b : a;
-      const std::uint8_t given_row = given_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(row)])];
-      const std::uint8_t given_column =
-          given_[static_cast<std::size_t>(nodes[static_cast<std::size_t>(column)])];
+      const auto [row, column] = rows[a] >= rows[b] ? std::pair(a, b) : std::pair(b, a);
+      const std::uint8_t given_row = given_rows_[static_cast<std::size_t>(rows[row])];
+      const std::uint8_t given_column = given_rows_[static_cast<std::size_t>(rows[column])];
       if (given_row == all_given || given_column == all_given) continue;
       Eigen::Matrix3d block = stiffness_block(solid, geometry, weight, row, column);
       for (int c = 0; c < 3; ++c) {
@@ -75,6 +82,16 @@ void Stiffness::add_element(const PseudoSolid& solid, std::span<const double> po
       }
       matrix_.block(static_cast<std::size_t>(*place)) += block;
     }
+}
+
+void Stiffness::to_rows(std::span<const double> by_node, std::span<double> by_row) const {
+  for (std::size_t i = 0; i < row_of_.size(); ++i)
+    std::copy_n(&by_node[3 * i], 3, &by_row[3 * static_cast<std::size_t>(row_of_[i])]);
+}
+
+void Stiffness::to_nodes(std::span<const double> by_row, std::span<double> by_node) const {
+  for (std::size_t i = 0; i < row_of_.size(); ++i)
+    std::copy_n(&by_row[3 * static_cast<std::size_t>(row_of_[i])], 3, &by_node[3 * i]);
 }
 
 void Stiffness::boundary_load(std::span<const double> u, std::span<double> load) const {

@@ -12,6 +12,9 @@ namespace drogue::mesh_mover {
 
 /// The stiffness matrix of the pseudo-solid with the given components eliminated symmetrically: their rows
 /// and columns are those of the identity, so that the matrix stays symmetric and positive definite.
+///
+/// Displacements and loads are in the order of the nodes; the rows of the matrix have a numbering of their
+/// own (numbering.hpp), to_rows() and to_nodes() translate.
 class Stiffness {
  public:
   /// Finds the sparsity and the place of every element's blocks. `tets` {m, 4} must outlive this object.
@@ -25,10 +28,14 @@ class Stiffness {
   void boundary_load(std::span<const double> u, std::span<double> load) const;
 
   [[nodiscard]] const SymmetricBlocks<double>& matrix() const { return matrix_; }
-  [[nodiscard]] const Mask& given() const { return given_; }
+  /// The given components in the order of the rows.
+  [[nodiscard]] const Mask& given_rows() const { return given_rows_; }
   [[nodiscard]] bool is_given(std::size_t node, int component) const {
     return (given_[node] >> component & 1) != 0;
   }
+  /// Three values a node to three values a row, and back.
+  void to_rows(std::span<const double> by_node, std::span<double> by_row) const;
+  void to_nodes(std::span<const double> by_row, std::span<double> by_node) const;
 
  private:
   struct BoundaryElement {
@@ -41,6 +48,9 @@ class Stiffness {
 
   std::span<const std::int32_t> tets_;
   Mask given_;
+  std::vector<std::int32_t> row_of_;   // of each node
+  std::vector<std::int32_t> tet_rows_; // {m, 4}: rows of the nodes of every element
+  Mask given_rows_;
   SymmetricBlocks<double> matrix_;
   std::vector<std::int32_t> places_; // {m, 10}: where the blocks of nodes a >= b of an element stand
   std::vector<BoundaryElement> boundary_elements_; // those with a given component

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh_mover/conjugate_gradient.hpp"
+#include "mesh_mover/numbering.hpp"
 #include "mesh_mover/stiffness.hpp"
 #include "tests/mesh_mover/box_mesh.hpp"
 
@@ -31,6 +32,10 @@ struct Problem {
     return given;
   }
   [[nodiscard]] const SymmetricBlocks<double>& A() const { return stiffness.matrix(); }
+  /// Whether an unknown, in the order of the rows, is given.
+  [[nodiscard]] bool is_given(Eigen::Index i) const {
+    return (stiffness.given_rows()[static_cast<std::size_t>(i / 3)] >> (i % 3) & 1) != 0;
+  }
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(3 * A().rows()); }
 };
 
@@ -64,7 +69,7 @@ TEST(Stiffness, IsSymmetricPositiveDefiniteWithTheIdentityOnGivenComponents) {
   EXPECT_TRUE(full.isApprox(full.transpose(), 1e-14));
   EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(full).info(), Eigen::Success);
   for (Eigen::Index i = 0; i < problem.size(); ++i) {
-    if (!problem.stiffness.is_given(static_cast<std::size_t>(i / 3), static_cast<int>(i % 3))) continue;
+    if (!problem.is_given(i)) continue;
     EXPECT_EQ(full(i, i), 1);
     EXPECT_EQ(full.row(i).norm(), 1);
   }
@@ -84,17 +89,42 @@ TEST(Stiffness, BoundaryLoadBalancesTheGivenDisplacement) {
   const Stiffness all_free(problem.tets, Mask(problem.A().rows(), 0));
   Stiffness free = all_free;
   free.assemble(pseudo_solid(0.3, 1, 1), problem.mesh.points);
-  const Vector u = some_vector(problem.size());
+  Vector u = some_vector(problem.size());
+  Vector by_node(problem.size());
+  problem.stiffness.to_nodes(span_of(u), span_of(by_node));
   Vector load(problem.size());
-  problem.stiffness.boundary_load({u.data(), static_cast<std::size_t>(u.size())}, span_of(load));
+  Vector load_by_node(problem.size());
+  problem.stiffness.boundary_load(span_of(by_node), span_of(load_by_node));
+  problem.stiffness.to_rows(span_of(load_by_node), span_of(load));
   Vector given = u;
   for (Eigen::Index i = 0; i < u.size(); ++i)
-    if (!problem.stiffness.is_given(static_cast<std::size_t>(i / 3), static_cast<int>(i % 3))) given[i] = 0;
+    if (!problem.is_given(i)) given[i] = 0;
   Vector expected = -(dense(free.matrix()) * given);
   for (Eigen::Index i = 0; i < u.size(); ++i)
-    if (problem.stiffness.is_given(static_cast<std::size_t>(i / 3), static_cast<int>(i % 3)))
-      expected[i] = u[i];
+    if (problem.is_given(i)) expected[i] = u[i];
   EXPECT_TRUE(load.isApprox(expected, 1e-13));
+}
+
+// Every node has a number of its own, and neighbours are closer than in a shuffled order.
+TEST(Numbering, BringsNeighboursTogether) {
+  const Problem problem(5);
+  const auto n = problem.A().rows();
+  auto shuffled = problem.tets;
+  for (auto& node : shuffled) node = static_cast<std::int32_t>(static_cast<std::size_t>(node) * 7 % n);
+  ASSERT_NE(n % 7, 0U); // or the shuffle would join nodes
+  const auto bandwidth = [](std::span<const std::int32_t> tets, const std::vector<std::int32_t>& number) {
+    std::int32_t widest = 0;
+    for (std::size_t k = 0; k < tets.size(); k += 4)
+      for (std::size_t a = 1; a < 4; ++a)
+        widest = std::max(widest, std::abs(number[static_cast<std::size_t>(tets[k])] -
+                                           number[static_cast<std::size_t>(tets[k + a])]));
+    return widest;
+  };
+  auto number = reverse_cuthill_mckee(shuffled, n);
+  const auto after = bandwidth(shuffled, number);
+  std::sort(number.begin(), number.end());
+  for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(number[i], static_cast<std::int32_t>(i));
+  EXPECT_LT(3 * after, bandwidth(shuffled, number)); // `number` is now the given order
 }
 
 // On a pattern without fill the incomplete factors are the complete ones.
@@ -133,7 +163,7 @@ TEST(IncompleteCholesky, ShiftsWhereAPivotIsNotPositive) {
 
 TEST(ConjugateGradient, SolvesToTheTolerance) {
   const Problem problem(6);
-  ConjugateGradient solver(problem.A(), problem.stiffness.given());
+  ConjugateGradient solver(problem.A(), problem.stiffness.given_rows());
   ASSERT_TRUE(solver.update().ok());
   const Vector exact = some_vector(problem.size());
   Vector b(problem.size());
@@ -149,12 +179,11 @@ TEST(ConjugateGradient, SolvesToTheTolerance) {
 // The coarse level carries a rigid translation through the whole mesh without an iteration.
 TEST(CoarseSpace, SolvesATranslationAlone) {
   const Problem problem(6);
-  ConjugateGradient solver(problem.A(), problem.stiffness.given());
+  ConjugateGradient solver(problem.A(), problem.stiffness.given_rows());
   ASSERT_TRUE(solver.update().ok());
   Vector exact = Vector::Zero(problem.size());
   for (Eigen::Index i = 0; i < exact.size(); ++i)
-    if (!problem.stiffness.is_given(static_cast<std::size_t>(i / 3), static_cast<int>(i % 3)))
-      exact[i] = 1 + static_cast<double>(i % 3);
+    if (!problem.is_given(i)) exact[i] = 1 + static_cast<double>(i % 3);
   Vector b(problem.size());
   multiply(problem.A(), span_of(exact), span_of(b));
   Vector x = Vector::Zero(problem.size());
