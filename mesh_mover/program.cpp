@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "common/la_direct/direct_solver.hpp"
 #include "mesh_mover/mesh_participant.hpp"
 #include "mesh_mover/standalone.hpp"
 
@@ -39,6 +40,7 @@ Result<void> check(const std::filesystem::path& file) {
 
 Result<void> run(const std::filesystem::path& file, const std::string& endpoint) {
   DROGUE_TRY(check_alone());
+  la::use_one_blas_thread();
   auto input = load_whole_case(file);
   if (!input) return input.error();
   if (endpoint.empty()) return run_standalone(std::move(*input));

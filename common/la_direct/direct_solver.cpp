@@ -9,7 +9,13 @@
 #include <cholmod.h>
 #include <umfpack.h>
 
+extern "C" void openblas_set_num_threads(int);
+
 namespace drogue::la {
+
+void use_one_blas_thread() {
+  openblas_set_num_threads(1);
+}
 
 struct CholeskySolver::State {
   cholmod_common common{};

@@ -14,6 +14,10 @@ namespace drogue::la {
 /// Compressed sparse columns, both triangles stored.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
+/// Keeps OpenBLAS to one thread for the whole process: where factors are small its threads only wait for one
+/// another, spinning.
+void use_one_blas_thread();
+
 /// CHOLMOD's supernodal L L^T of a symmetric positive definite matrix, METIS ordering. The symbolic
 /// analysis is done once for a pattern and reused.
 class CholeskySolver {
