@@ -157,7 +157,10 @@ Result<wire::Message> Hub::ask(Peer& peer, wire::Message request, Seconds deadli
 
 Result<bool> Hub::turn(steady_clock::time_point deadline) {
   std::vector<zmq::pollitem_t> items{{router_.handle(), 0, ZMQ_POLLIN, 0}};
-  for (const auto& peer : peers_) items.push_back({nullptr, peer->process->pidfd(), ZMQ_POLLIN, 0});
+  for (const auto& peer : peers_) {
+    items.push_back({nullptr, peer->process->pidfd(), ZMQ_POLLIN, 0});
+    for (const Watch& rank : peer->ranks) items.push_back({nullptr, rank.pidfd(), ZMQ_POLLIN, 0});
+  }
   // Short waits, so that a signal is noticed soon.
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - steady_clock::now());
   if (left.count() <= 0) return false;
@@ -190,6 +193,10 @@ Result<void> Hub::take(wire::Message message) {
   if (e.has_hello()) {
     peer.hello = e.hello();
     peer.state = participant::ProtocolState::greeted;
+    for (const std::int64_t pid : e.hello().pid()) {
+      if (pid == peer.process->pid()) continue;
+      if (auto rank = Watch::on(static_cast<pid_t>(pid))) peer.ranks.push_back(std::move(*rank));
+    }
   } else if (e.has_beat()) {
     peer.beat = e.beat();
     if (on_beat) on_beat(peer);
@@ -203,10 +210,15 @@ Result<void> Hub::take(wire::Message message) {
   return {};
 }
 
-/// A process that ended although nobody told it to is an error, unless its last answer explains it.
+/// A process that ended although nobody told it to is an error, unless its last answer explains it. Ranks
+/// come first: mpiexec only follows them.
 Result<void> Hub::check_alive() {
   for (const auto& peer : peers_) {
-    if (!peer->process->poll() || peer->answer) continue;
+    if (peer->answer) continue;
+    const auto rank = std::find_if(peer->ranks.begin(), peer->ranks.end(),
+                                   [](const Watch& watch) { return watch.ended(); });
+    const bool rank_ended = rank != peer->ranks.end();
+    if (!peer->process->poll() && !rank_ended) continue;
     std::vector<zmq::pollitem_t> item{{router_.handle(), 0, ZMQ_POLLIN, 0}};
     zmq::poll(item.data(), item.size(), last_message_grace);
     auto received = wire::receive(router_, true);
@@ -214,17 +226,17 @@ Result<void> Hub::check_alive() {
       DROGUE_TRY(take(std::move((**received).message)));
       if (peer->answer) continue;
     }
-    return death(*peer);
+    if (rank_ended) return death(*peer, rank->pid(), "is one of its ranks and ended");
+    return death(*peer, peer->process->pid(), peer->process->poll()->text());
   }
   return {};
 }
 
-Error Hub::death(Peer& peer) const {
+Error Hub::death(const Peer& peer, pid_t pid, const std::string& how) const {
   const std::string during = peer.state == participant::ProtocolState::connected ? "before it said Hello"
                              : peer.request != 0 ? "during " + request_text(peer.request_body, peer.where)
                                                  : "between two requests";
-  return peer_error("{} (pid {}) {} {}; {}", peer.name, peer.process->pid(), peer.process->poll()->text(),
-                    during, log_tail(peer));
+  return peer_error("{} (pid {}) {} {}; {}", peer.name, pid, how, during, log_tail(peer));
 }
 
 Error Hub::lateness(const Peer& peer, const std::string& what, Seconds deadline) const {

@@ -25,6 +25,7 @@ struct Peer {
   std::string name; ///< "fluid", "structure" or "mesh_mover"; also its identity on the socket
   std::filesystem::path log_file;
   std::optional<Process> process;
+  std::vector<Watch> ranks; ///< processes it named in Hello, other than the one started
   v1::Hello hello;
   participant::ProtocolState state = participant::ProtocolState::connected;
 
@@ -78,7 +79,7 @@ class Hub {
   [[nodiscard]] Result<bool> turn(std::chrono::steady_clock::time_point deadline);
   [[nodiscard]] Result<void> take(wire::Message message);
   [[nodiscard]] Result<void> check_alive();
-  [[nodiscard]] Error death(Peer& peer) const;
+  [[nodiscard]] Error death(const Peer& peer, pid_t pid, const std::string& how) const;
   [[nodiscard]] Error lateness(const Peer& peer, const std::string& what, Seconds deadline) const;
   void close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& body);
 

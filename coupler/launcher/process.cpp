@@ -174,6 +174,21 @@ void Process::kill_session() {
   (void)wait(std::chrono::seconds(2)); // a killed process ends at once, unless it hangs in the kernel
 }
 
+std::optional<Watch> Watch::on(pid_t pid) {
+  const int pidfd = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
+  if (pidfd < 0) return std::nullopt;
+  return Watch(pid, pidfd);
+}
+
+Watch::~Watch() {
+  if (pidfd_ >= 0) close(pidfd_);
+}
+
+bool Watch::ended() const {
+  pollfd item{pidfd_, POLLIN, 0};
+  return ::poll(&item, 1, 0) == 1;
+}
+
 Result<fs::path> find_program(const std::string& name) {
   const auto runnable = [](const fs::path& p) {
     return fs::is_regular_file(p) && access(p.c_str(), X_OK) == 0;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <sys/types.h>
@@ -58,6 +59,29 @@ class Process {
   pid_t pid_ = -1;
   int pidfd_ = -1;
   std::optional<Exit> exit_;
+};
+
+/// Watches a process that is not a child (an MPI rank under mpiexec).
+class Watch {
+ public:
+  /// Nothing when there is no such process on this machine.
+  [[nodiscard]] static std::optional<Watch> on(pid_t pid);
+  Watch(Watch&& other) noexcept : pid_(other.pid_), pidfd_(std::exchange(other.pidfd_, -1)) {}
+  Watch& operator=(Watch&& other) noexcept {
+    std::swap(pid_, other.pid_);
+    std::swap(pidfd_, other.pidfd_);
+    return *this;
+  }
+  ~Watch();
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  /// A descriptor that becomes readable when the process ends.
+  [[nodiscard]] int pidfd() const { return pidfd_; }
+  [[nodiscard]] bool ended() const;
+
+ private:
+  Watch(pid_t pid, int pidfd) : pid_(pid), pidfd_(pidfd) {}
+  pid_t pid_ = -1;
+  int pidfd_ = -1;
 };
 
 /// The program called `name`: a path as it is (made absolute), else beside the coupler's own executable, else

@@ -81,6 +81,25 @@ TEST_P(Kill, SigkillInTheMiddleOfAStepNamesTheCulprit) {
 INSTANTIATE_TEST_SUITE_P(EachParticipant, Kill, testing::Values("structure", "fluid", "mesh_mover"),
                          [](const auto& kind) { return std::string(kind.param); });
 
+TEST(Faults, SigkillOfARankIsNoticedLikeThatOfTheProcess) {
+  const auto folder = fresh_folder("rank");
+  launcher::Process coupler =
+      start_coupler(write_case(folder, {.fluid_arguments = "--second-rank yes --delay 0.3", .steps = 1000}));
+  ASSERT_GT(pid_of("fluid", folder), 0);
+  const std::string log = read_text(folder / "run/fluid.log");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(log, match, std::regex("second rank ([0-9]+)"))) << log;
+  ASSERT_EQ(kill(std::stoi(match[1]), SIGKILL), 0);
+  const auto exit = coupler.wait(2s);
+  ASSERT_TRUE(exit.has_value());
+  EXPECT_EQ(exit->status, 4);
+  const std::string text = read_text(folder / "output.txt");
+  EXPECT_NE(text.find(fmt::format("fluid (pid {}) is one of its ranks and ended", match[1].str())),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(left_behind(folder), 0);
+}
+
 TEST(Faults, AProgramThatEndsBeforeHelloIsNamedWithItsLastWords) {
   const auto folder = fresh_folder("early");
   const auto file = write_case(folder, {});

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Three participants with physics that can be solved by hand, for tests of the coupling itself. A rigid
-// square plate of mass m an area on springs k an area (structure), wetted on one side by a fluid that answers
-// with its added mass m_a:
-//   structure   m a + k d = f/A          fluid   p = -m_a a          mesh_mover   every node moves with the
-//   plate
-// with the trapezoidal rule in both, so that the coupled steps are those of the oscillator (m + m_a) a + k d
-// = 0. usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] --connect ENDPOINT
+// square plate of mass m an area on springs k an area, wetted on one side by a fluid that answers with its
+// added mass m_a:
+//   structure    m a + k d = f / A
+//   fluid        p = -m_a a
+//   mesh_mover   every node moves with the plate
+// The trapezoidal rule in both makes the coupled steps those of the oscillator (m + m_a) a + k d = 0.
+//
+// usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] [--second-rank yes]
+//                               --connect ENDPOINT
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
 #include <thread>
+
+#include <unistd.h>
 
 #include "participant/cpp/participant.hpp"
 
@@ -28,6 +33,7 @@ struct Options {
   std::string role, endpoint;
   double delay = 0;                ///< seconds of "work" in every iterate
   double refuse_steps_above = 1e9; ///< a fluid that cannot do long steps (retryable error)
+  std::vector<std::int64_t> pids;  ///< this process and its second rank; empty without one
 };
 
 /// The unit square as a grid of n x n squares, two triangles each; n differs between the two sides.
@@ -128,6 +134,7 @@ class Fluid : public Plate {
   Description describe() override {
     Description d;
     d.software = "oscillator fluid";
+    d.pids = options_.pids;
     d.inputs = {field("mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3),
                 field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3)};
     d.outputs = {field("pressure", C::PRESSURE, C::INTERFACE_NODES, 1)};
@@ -166,6 +173,16 @@ class Mover : public Plate {
   }
 };
 
+/// A process that does nothing, in the place of another MPI rank.
+pid_t second_rank() {
+  const pid_t pid = fork();
+  if (pid == 0)
+    while (true) pause();
+  std::printf("second rank %d\n", pid);
+  std::fflush(stdout);
+  return pid;
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -176,6 +193,7 @@ int main(int argc, char** argv) {
     if (name == "--connect") options.endpoint = argv[i + 1];
     if (name == "--delay") options.delay = std::atof(argv[i + 1]);
     if (name == "--refuse-steps-above") options.refuse_steps_above = std::atof(argv[i + 1]);
+    if (name == "--second-rank") options.pids = {getpid(), second_rank()};
   }
   std::unique_ptr<Solver> solver;
   if (options.role == "structure") solver = std::make_unique<Structure>(options);
