@@ -29,10 +29,13 @@ def machine() -> str:
     return f"{model[1] if model else platform.machine()}, {count} threads, {platform.system()}, {compiler}"
 
 
+def git(*arguments: str) -> str:
+    return subprocess.run(["git", *arguments], capture_output=True, text=True).stdout.strip()
+
+
 def revision() -> str:
-    commit = subprocess.run(["git", "describe", "--always", "--dirty", "--abbrev=8", "--exclude=*"],
-                            capture_output=True, text=True)
-    return commit.stdout.strip() or "unknown"
+    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs")
+    return (git("rev-parse", "--short=8", "HEAD") or "unknown") + (" and changes" if changed else "")
 
 
 def rows_of(file: pathlib.Path) -> dict[tuple[str, str], list[str]]:
