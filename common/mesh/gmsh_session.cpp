@@ -15,13 +15,12 @@ std::mutex& gmsh_mutex() {
   return mutex;
 }
 
-/// An initialised Gmsh always has a model.
+/// Asks nothing before initialising: a Gmsh that is not initialised may end the process on any other call,
+/// whereas one that already is only warns.
 void initialise_once() {
   static std::once_flag once;
   std::call_once(once, [] {
-    std::vector<std::string> models;
-    gmsh::model::list(models);
-    if (models.empty()) gmsh::initialize(0, nullptr, false);
+    gmsh::initialize(0, nullptr, false);
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::option::setNumber("Mesh.Renumber", 0);
   });
