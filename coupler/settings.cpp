@@ -22,16 +22,16 @@ NonConvergence from(v1::CouplingLoop::NonConvergence policy) {
   return NonConvergence::abort;
 }
 
-AccelerationMethod from(v1::Acceleration::Method method) {
+acceleration::Method from(v1::Acceleration::Method method) {
   switch (method) {
   case v1::Acceleration::CONSTANT:
-    return AccelerationMethod::constant;
+    return acceleration::Method::constant;
   case v1::Acceleration::AITKEN:
-    return AccelerationMethod::aitken;
+    return acceleration::Method::aitken;
   case v1::Acceleration::IQN_ILS:
-    return AccelerationMethod::iqn_ils;
+    return acceleration::Method::iqn_ils;
   }
-  return AccelerationMethod::iqn_ils;
+  return acceleration::Method::iqn_ils;
 }
 
 std::string with_config_dir(std::string argument, const std::filesystem::path& folder) {
@@ -79,7 +79,7 @@ LoopSettings loop(const v1::CouplingLoop& l, const config::Source& source, confi
   return s;
 }
 
-AccelerationSettings acceleration(const v1::Acceleration& a) {
+acceleration::Settings accelerator(const v1::Acceleration& a) {
   return {from(a.method()), a.relaxation(), a.max_relaxation(), a.reuse_steps(), a.filter(), a.max_columns()};
 }
 
@@ -108,9 +108,8 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.time_step = c.time().step();
   s.steps = c.time().steps();
   s.loop = loop(c.loop(), source, report);
-  s.acceleration = acceleration(c.acceleration());
-  s.largest_gap = c.projection().largest_gap();
-  s.quadrature_order = c.projection().quadrature_order();
+  s.acceleration = accelerator(c.acceleration());
+  s.projection = {c.projection().largest_gap(), c.projection().quadrature_order()};
   const v1::Deadlines& d = c.deadlines();
   s.deadlines = {d.connect(), d.initialize(), d.iterate(), d.other(), d.shutdown()};
   if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);

@@ -8,12 +8,13 @@
 
 #include "common/config/config.hpp"
 #include "common/config/expression.hpp"
+#include "coupler/acceleration/accelerator.hpp"
+#include "coupler/projection/interface_quadrature.hpp"
 
 namespace drogue::coupler {
 
 enum class NonConvergence { abort, accept, retry };
 enum class WallVelocity { structure_rate, mesh_rate };
-enum class AccelerationMethod { constant, aitken, iqn_ils };
 
 struct ParticipantSettings {
   std::string name;    ///< "fluid", "structure" or "mesh_mover"
@@ -37,15 +38,6 @@ struct LoopSettings {
   WallVelocity wall_velocity = WallVelocity::structure_rate;
 };
 
-struct AccelerationSettings {
-  AccelerationMethod method = AccelerationMethod::iqn_ils;
-  double relaxation = 0.05;
-  double max_relaxation = 1;
-  int reuse_steps = 20;
-  double filter = 1e-3;
-  int max_columns = 300;
-};
-
 /// Seconds.
 struct DeadlineSettings {
   double connect = 60;
@@ -64,9 +56,8 @@ struct CaseSettings {
   double time_step = 0;
   int steps = 0;
   LoopSettings loop;
-  AccelerationSettings acceleration;
-  double largest_gap = 0.02;
-  int quadrature_order = 4;
+  acceleration::Settings acceleration;
+  projection::Settings projection;
   DeadlineSettings deadlines;
   config::Expression load_factor;
   bool outer_boundary_follows = true;

@@ -46,9 +46,9 @@ void say(const projection::MatchReport& r) {
 } // namespace
 
 Result<Exchange> Exchange::create(Participants& participants, const CaseSettings& settings) {
-  auto interface = projection::make_interface(surface_of("structure", participants.structure_interface),
-                                              surface_of("fluid", participants.fluid_interface),
-                                              {settings.largest_gap, settings.quadrature_order});
+  auto interface =
+      projection::make_interface(surface_of("structure", participants.structure_interface),
+                                 surface_of("fluid", participants.fluid_interface), settings.projection);
   if (!interface) return interface.error();
   say(interface->report);
   Exchange exchange(participants, std::move(*interface));

@@ -9,27 +9,6 @@
 namespace drogue::coupler {
 namespace {
 
-acceleration::Settings from(const AccelerationSettings& s) {
-  acceleration::Settings a;
-  switch (s.method) {
-  case AccelerationMethod::constant:
-    a.method = acceleration::Method::constant;
-    break;
-  case AccelerationMethod::aitken:
-    a.method = acceleration::Method::aitken;
-    break;
-  case AccelerationMethod::iqn_ils:
-    a.method = acceleration::Method::iqn_ils;
-    break;
-  }
-  a.relaxation = s.relaxation;
-  a.max_relaxation = s.max_relaxation;
-  a.reuse_steps = s.reuse_steps;
-  a.filter = s.filter;
-  a.max_columns = s.max_columns;
-  return a;
-}
-
 /// A failure that a smaller step may cure counts as non-convergence; every other one ends the run.
 bool curable(const Error& error) {
   return error.kind == ErrorKind::numerical && error.retryable;
@@ -51,8 +30,8 @@ Result<StepLoop> StepLoop::create(Participants& participants, Exchange& exchange
 
 Result<void> StepLoop::use_step(double time_step) {
   if (time_step == accelerator_step_) return {};
-  auto made = acceleration::make_accelerator(from(settings_.acceleration), weights_.size(), weights_.size(),
-                                             weights_);
+  auto made =
+      acceleration::make_accelerator(settings_.acceleration, weights_.size(), weights_.size(), weights_);
   if (!made) return made.error();
   accelerator_ = std::move(*made);
   accelerator_step_ = time_step;
