@@ -22,7 +22,8 @@ void on_signal(int) {
 
 /// Makes the run directory; results of an earlier run are moved aside to NAME.1, NAME.2, ...
 Result<fs::path> fresh_directory(const fs::path& wanted) {
-  const fs::path directory = fs::absolute(wanted).lexically_normal();
+  fs::path directory = fs::absolute(wanted).lexically_normal();
+  if (!directory.has_filename()) directory = directory.parent_path(); // "out/"
   std::error_code failure;
   if (fs::exists(directory) && !fs::is_empty(directory, failure)) {
     fs::path aside;
@@ -115,7 +116,7 @@ Result<void> run_case(const CaseSettings& settings) {
     (*participants)->hub().abort(outcome.error().message);
     return outcome.error();
   }
-  (*participants)->hub().shut_down(launcher::Seconds(settings.deadlines.shutdown));
+  DROGUE_TRY((*participants)->hub().shut_down(launcher::Seconds(settings.deadlines.shutdown)));
   spdlog::info("results in {}", directory->string());
   return {};
 }

@@ -66,6 +66,10 @@ Result<void> CoupledFlow::execute(const Order& order) {
 Result<void> CoupledFlow::initialize() {
   DROGUE_TRY(run_.start());
   base_points_ = run_.solver().state().x;
+  if (base_points_ != input_.mesh.points)
+    return config_error(
+        "the initial state lives on a moved mesh; a coupled run starts from the mesh file's positions, as "
+        "the mesh mover does");
   return {};
 }
 

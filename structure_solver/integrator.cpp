@@ -206,7 +206,9 @@ Balance Integrator::balance() {
     if (!model_.held[i]) unbalanced += residual_[i] * residual_[i];
   }
   const double applied = norm(correction_);
-  b.unbalance = applied > 0 ? std::sqrt(unbalanced) / applied : 0;
+  // Without an applied load (prestress, moved supports) the forces of the held nodes are the measure.
+  const double scale = applied > 0 ? applied : norm(residual_);
+  b.unbalance = scale > 0 ? std::sqrt(unbalanced) / scale : 0;
   for (const SupportSet& support : model_.supports) {
     std::array<double, 3> sum{};
     for (const std::int32_t node : support.nodes)

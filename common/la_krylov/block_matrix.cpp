@@ -140,7 +140,10 @@ std::optional<std::int32_t> BlockIlu<n>::factor(const BlockMatrix<n>& A) {
     }
     // 3. the inverse of the pivot takes its place
     float inverse[entries];
-    if (!invert<n>(block(diagonal(i)), inverse)) return i;
+    if (!invert<n>(block(diagonal(i)), inverse)) {
+      std::fill(position_.begin(), position_.end(), -1); // the next factorisation starts clean
+      return i;
+    }
     std::memcpy(block(diagonal(i)), inverse, sizeof(inverse));
     for (std::int32_t k = start(i); k < start(i + 1); ++k) position_[static_cast<std::size_t>(col(k))] = -1;
   }

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <thread>
 
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
@@ -33,6 +34,8 @@ ErrorKind kind_of(v1::Error::Code code) {
   case v1::Error::NUMERICAL:
   case v1::Error::NOT_FINITE:
     return ErrorKind::numerical;
+  case v1::Error::INTERNAL:
+    return ErrorKind::internal;
   default:
     return ErrorKind::peer;
   }
@@ -135,17 +138,18 @@ Result<wire::Message> Hub::await(Peer& peer, Seconds deadline) {
     const auto turned = turn(end);
     if (!turned) return turned.error();
     if (!*turned) return lateness(peer, "answer " + request_text(peer.request_body, peer.where), deadline);
+    for (const auto& other : peers_) // the first error wins, whoever is waited for
+      if (other.get() != &peer && other->answer && other->answer->envelope.has_error())
+        return refusal(*other);
   }
   peer.request = 0;
+  if (peer.answer->envelope.has_error()) {
+    Error error = refusal(peer);
+    peer.answer.reset();
+    return error;
+  }
   wire::Message answer = std::move(*peer.answer);
   peer.answer.reset();
-  if (answer.envelope.has_error()) {
-    const v1::Error& error = answer.envelope.error();
-    return Error{kind_of(error.code()),
-                 fmt::format("{} refused {}: {}", peer.name, request_text(peer.request_body, peer.where),
-                             error.message()),
-                 error.retryable()};
-  }
   peer.state = *participant::next_state(peer.state, peer.request_body);
   return answer;
 }
@@ -175,8 +179,8 @@ Result<bool> Hub::turn(steady_clock::time_point deadline) {
     if (!*received) break;
     DROGUE_TRY(take(std::move((**received).message)));
   }
-  DROGUE_TRY(check_alive());
   if (interrupted()) return Error{ErrorKind::interrupted, "interrupted by a signal"};
+  DROGUE_TRY(check_alive());
   return true;
 }
 
@@ -199,7 +203,7 @@ Result<void> Hub::take(wire::Message message) {
     }
   } else if (e.has_beat()) {
     peer.beat = e.beat();
-    if (on_beat) on_beat(peer);
+
   } else if (peer.request != 0 && e.request_id() == peer.request) {
     peer.busy_seconds += Seconds(steady_clock::now() - peer.asked_at).count();
     peer.answer = std::move(message);
@@ -219,17 +223,35 @@ Result<void> Hub::check_alive() {
                                    [](const Watch& watch) { return watch.ended(); });
     const bool rank_ended = rank != peer->ranks.end();
     if (!peer->process->poll() && !rank_ended) continue;
-    std::vector<zmq::pollitem_t> item{{router_.handle(), 0, ZMQ_POLLIN, 0}};
-    zmq::poll(item.data(), item.size(), last_message_grace);
-    auto received = wire::receive(router_, true);
-    if (received && *received) {
-      DROGUE_TRY(take(std::move((**received).message)));
-      if (peer->answer) continue;
-    }
+    DROGUE_TRY(take_last_words(*peer));
+    if (peer->answer) continue;
+    if (interrupted()) return Error{ErrorKind::interrupted, "interrupted by a signal"};
     if (rank_ended) return death(*peer, rank->pid(), "is one of its ranks and ended");
     return death(*peer, peer->process->pid(), peer->process->poll()->text());
   }
   return {};
+}
+
+Result<void> Hub::take_last_words(Peer& peer) {
+  const auto end = steady_clock::now() + last_message_grace;
+  while (!peer.answer && steady_clock::now() < end) {
+    auto received = wire::receive(router_, true);
+    if (!received) return received.error();
+    if (*received)
+      DROGUE_TRY(take(std::move((**received).message)));
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return {};
+}
+
+/// @pre the peer's answer is an Error
+Error Hub::refusal(const Peer& peer) const {
+  const v1::Error& error = peer.answer->envelope.error();
+  return {kind_of(error.code()),
+          fmt::format("{} refused {}: {}", peer.name, request_text(peer.request_body, peer.where),
+                      error.message()),
+          error.retryable()};
 }
 
 Error Hub::death(const Peer& peer, pid_t pid, const std::string& how) const {
@@ -265,11 +287,13 @@ void Hub::close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& 
   }
 }
 
-void Hub::shut_down(Seconds deadline) {
+Result<void> Hub::shut_down(Seconds deadline) {
   close_all(deadline, [](v1::Envelope& e) { e.mutable_shutdown(); });
   for (const auto& peer : peers_)
-    if (const auto& exit = peer->process->poll(); exit && !exit->clean())
-      spdlog::warn("{} {} after Shutdown; {}", peer->name, exit->text(), log_tail(*peer));
+    if (const auto& exit = peer->process->poll(); !exit || !exit->clean())
+      return peer_error("{} {} after Shutdown (deadline {:g} s); {}", peer->name,
+                        exit ? exit->text() : "did not end", deadline.count(), log_tail(*peer));
+  return {};
 }
 
 void Hub::abort(const std::string& reason) {

@@ -60,16 +60,15 @@ class Hub {
   [[nodiscard]] Result<wire::Message> await(Peer& peer, Seconds deadline);
   [[nodiscard]] Result<wire::Message> ask(Peer& peer, wire::Message request, Seconds deadline);
 
-  /// Asks everyone to shut down, waits at most `deadline`, kills who stays. Warns about unclean exits.
-  void shut_down(Seconds deadline);
+  /// Asks everyone to shut down, waits at most `deadline`, kills who stays. Errors (ErrorKind::peer): who did
+  /// not end well.
+  [[nodiscard]] Result<void> shut_down(Seconds deadline);
   /// Tells everyone why, waits briefly, kills who stays.
   void abort(const std::string& reason);
 
   /// Set by a signal handler: waits end with ErrorKind::interrupted.
   static void interrupt() noexcept;
   [[nodiscard]] static bool interrupted() noexcept;
-  /// Called with every beat, for progress displays.
-  std::function<void(const Peer&)> on_beat;
 
   [[nodiscard]] const std::vector<std::unique_ptr<Peer>>& peers() const { return peers_; }
 
@@ -79,6 +78,8 @@ class Hub {
   [[nodiscard]] Result<bool> turn(std::chrono::steady_clock::time_point deadline);
   [[nodiscard]] Result<void> take(wire::Message message);
   [[nodiscard]] Result<void> check_alive();
+  [[nodiscard]] Result<void> take_last_words(Peer& peer);
+  [[nodiscard]] Error refusal(const Peer& peer) const;
   [[nodiscard]] Error death(const Peer& peer, pid_t pid, const std::string& how) const;
   [[nodiscard]] Error lateness(const Peer& peer, const std::string& what, Seconds deadline) const;
   void close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& body);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/launcher/process.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -161,8 +162,13 @@ const std::optional<Exit>& Process::poll() {
 
 const std::optional<Exit>& Process::wait(std::chrono::milliseconds deadline) {
   if (!poll() && pidfd_ >= 0) {
+    const auto end = std::chrono::steady_clock::now() + deadline;
     pollfd item{pidfd_, POLLIN, 0};
-    (void)::poll(&item, 1, static_cast<int>(deadline.count()));
+    int left = static_cast<int>(deadline.count());
+    while (::poll(&item, 1, left) < 0 && errno == EINTR) // a signal does not shorten the wait
+      left = std::max(0, static_cast<int>(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                              end - std::chrono::steady_clock::now())
+                                              .count()));
     (void)poll();
   }
   return exit_;

@@ -135,6 +135,10 @@ Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span
   auto outputs = participants_.structure(
       at, {{"force", field(force_)}, {"traction", field(traction_)}, {"displacement", field(d)}});
   if (!outputs) return outputs.error();
+  record.fluid_inner_iterations = participants_.fluid_report().inner_iterations();
+  record.fluid_inner_residual = participants_.fluid_report().inner_residual();
+  record.structure_inner_iterations = participants_.structure_report().inner_iterations();
+  record.structure_inner_residual = participants_.structure_report().inner_residual();
   d_tilde = std::move(outputs->at("displacement").values);
   v_tilde = std::move(outputs->at("velocity").values);
   return {};

@@ -22,7 +22,7 @@ class Exchange {
 
   /// One pass around the loop for the iterate (d, v): mesh mover, fluid, structure. Fills d_tilde and v_tilde
   /// and the record's forces and inner iterations.
-  /// @param v_start wall velocity at t_n^+ for MESH_RATE; empty otherwise
+  /// @param v_start wall velocity at t_n^+
   [[nodiscard]] Result<void> evaluate(const Station& at, double load_factor, std::span<const double> d,
                                       std::span<const double> v, std::span<const double> v_start,
                                       std::vector<double>& d_tilde, std::vector<double>& v_tilde,

@@ -26,6 +26,11 @@ wire::Message message(const Station& at = {}) {
   return m;
 }
 
+/// Outputs that the coupling cannot do without, even if a participant declares them optional.
+bool needed(const std::string& output) {
+  return output == "displacement" || output == "velocity" || output == "mesh_displacement";
+}
+
 std::string new_run_id() {
   std::random_device source;
   return fmt::format("{:08x}{:08x}", source(), source());
@@ -33,12 +38,22 @@ std::string new_run_id() {
 
 /// Defaults that the case may override: one BLAS thread a process, MPI that starts as any user and waits
 /// passively.
-std::vector<std::string> environment(const ParticipantSettings& p, const std::string& run_id) {
-  std::vector<std::string> e{"DROGUE_RUN_ID=" + run_id, "DROGUE_PARTICIPANT=" + p.name};
+std::vector<std::string> environment(const ParticipantSettings& p, const DeadlineSettings& deadlines,
+                                     const std::string& run_id) {
+  std::vector<std::string> e{
+      "DROGUE_RUN_ID=" + run_id, "DROGUE_PARTICIPANT=" + p.name,
+      // the longest time the others may keep it waiting, twice
+      fmt::format("DROGUE_PEER_DEADLINE={:.0f}",
+                  2 * (deadlines.connect + deadlines.initialize + 3 * deadlines.iterate + deadlines.other))};
+  const auto given = [&](const std::string& name) {
+    return std::getenv(name.c_str()) ||
+           std::any_of(p.environment.begin(), p.environment.end(),
+                       [&](const auto& own) { return own.rfind(name + "=", 0) == 0; });
+  };
   for (const char* preset : {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMPI_ALLOW_RUN_AS_ROOT=1",
                              "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "OMPI_MCA_mpi_yield_when_idle=1"}) {
     const std::string entry(preset);
-    if (!std::getenv(entry.substr(0, entry.find('=')).c_str())) e.push_back(entry);
+    if (!given(entry.substr(0, entry.find('=')))) e.push_back(entry);
   }
   // A plain process that calls MPI_Init would start a daemon of its own otherwise.
   if (p.ranks == 1) e.push_back("OMPI_MCA_ess_singleton_isolated=1");
@@ -133,7 +148,7 @@ Result<void> Participants::start(const ParticipantSettings& p, const std::filesy
   auto a = arguments(p, hub_->endpoint());
   if (!a) return a.error();
   command.arguments = std::move(*a);
-  command.environment = environment(p, hub_->run_id());
+  command.environment = environment(p, settings_.deadlines, hub_->run_id());
   command.directory = run_directory / p.name;
   command.log_file = run_directory / (p.name + ".log");
   std::error_code failure;
@@ -276,10 +291,12 @@ Result<Fields> Participants::iterate(Peer& peer, const Station& at, Fields input
     if (find_input(peer.hello, name)) m.floats[name] = std::move(array);
   auto answer = hub_->ask(peer, std::move(m), Seconds(settings_.deadlines.iterate));
   if (!answer) return answer.error();
+  if (&peer == fluid_) fluid_report_ = answer->envelope.iterated();
+  if (&peer == structure_) structure_report_ = answer->envelope.iterated();
   for (const v1::FieldContract& output : peer.hello.output()) {
     const auto it = answer->floats.find(output.name());
     if (it == answer->floats.end()) {
-      if (output.optional()) continue;
+      if (output.optional() && output.name() != load_field_ && !needed(output.name())) continue;
       return peer_error("{} gave no \"{}\"", peer.name, output.name());
     }
     if (const auto bad = wire::first_not_finite(it->second.values))

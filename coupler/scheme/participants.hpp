@@ -41,6 +41,10 @@ class Participants {
   [[nodiscard]] Result<participant::Fields> mesh_mover(const Station& at, participant::Fields inputs);
   [[nodiscard]] Result<participant::Fields> fluid(const Station& at, participant::Fields inputs);
 
+  /// What a solver said of its own iteration in its last solve.
+  [[nodiscard]] const v1::Iterated& fluid_report() const { return fluid_report_; }
+  [[nodiscard]] const v1::Iterated& structure_report() const { return structure_report_; }
+
   /// The load the fluid offers at the time level that the wall velocity asks for: name of its output.
   [[nodiscard]] const std::string& load_field() const { return load_field_; }
   [[nodiscard]] bool load_is_pressure() const { return load_is_pressure_; }
@@ -61,6 +65,7 @@ class Participants {
   const CaseSettings& settings_;
   std::unique_ptr<launcher::Hub> hub_;
   launcher::Peer *fluid_ = nullptr, *structure_ = nullptr, *mesh_mover_ = nullptr;
+  v1::Iterated fluid_report_, structure_report_;
   std::string load_field_;
   bool load_is_pressure_ = true;
 };

@@ -24,7 +24,9 @@ Result<Results> Results::create(const std::filesystem::path& run_directory) {
                                                                          "columns",
                                                                          "smallest_volume_ratio",
                                                                          "fluid_inner_iterations",
-                                                                         "structure_inner_iterations"});
+                                                                         "fluid_inner_residual",
+                                                                         "structure_inner_iterations",
+                                                                         "structure_inner_residual"});
   if (!coupling) return coupling.error();
   results.coupling_ = std::move(*coupling);
   auto drag = io::CsvWriter::create(run_directory / "drag.csv",
@@ -56,7 +58,9 @@ void Results::iteration(const IterationRecord& r) {
                  r.columns,
                  r.smallest_volume_ratio,
                  r.fluid_inner_iterations,
-                 r.structure_inner_iterations});
+                 r.fluid_inner_residual,
+                 r.structure_inner_iterations,
+                 r.structure_inner_residual});
 }
 
 void Results::step(const StepRecord& r) {

@@ -24,7 +24,9 @@ struct IterationRecord {
   double force_defect = 0;      ///< |difference| / max(|force_fluid|, tiny)
   double columns = 0;           ///< secants the accelerator used for the next iterate
   double smallest_volume_ratio = 0;
-  double fluid_inner_iterations = 0, structure_inner_iterations = 0;
+  /// The solvers' own iterations in this solve, and their residual after them relative to the step's first.
+  double fluid_inner_iterations = 0, fluid_inner_residual = 0;
+  double structure_inner_iterations = 0, structure_inner_residual = 0;
 };
 
 /// One committed step: a row of drag.csv.

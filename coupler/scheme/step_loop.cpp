@@ -39,32 +39,32 @@ Result<void> StepLoop::use_step(double time_step) {
 }
 
 Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step) {
-  return advance(Station{step, 0, 1}, time, time_step, 0);
+  attempt_ = 0;
+  return advance(step, time, time_step, Part{});
 }
 
-Result<void> StepLoop::advance(Station at, double time, double time_step, int halvings) {
+Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step, Part part) {
+  Station at{step, 0, ++attempt_};
   DROGUE_TRY(use_step(time_step));
   const bool may_retry =
-      settings_.loop.non_convergence == NonConvergence::retry && halvings < settings_.loop.max_halvings;
+      settings_.loop.non_convergence == NonConvergence::retry && part.halvings < settings_.loop.max_halvings;
   auto outcome = iterate(at, time, time_step);
   if (!outcome) return outcome.error();
-  if (outcome->converged) return finish(at, *outcome, time, time_step);
+  if (outcome->converged) return finish(at, *outcome, time, time_step, part.is_last);
 
   const std::string what = fmt::format("step {} (t = {:g}, length {:g}) did not converge: {}", at.step,
                                        time + time_step, time_step, outcome->trouble);
-  if (settings_.loop.non_convergence == NonConvergence::accept &&
-      at.iteration == static_cast<std::uint32_t>(outcome->iterations)) {
+  if (settings_.loop.non_convergence == NonConvergence::accept && outcome->acceptable) {
     spdlog::warn("{}: accepted as the case says", what);
-    return finish(at, *outcome, time, time_step);
+    return finish(at, *outcome, time, time_step, part.is_last);
   }
   if (!may_retry) return numerical_error("{}", what);
   spdlog::warn("{}: rolled back, in halves", what);
-  accelerator_->rollback();
+
   DROGUE_TRY(participants_.roll_back(at));
   ++totals_.retries;
-  const Station again{at.step, 0, at.attempt + 1};
-  DROGUE_TRY(advance(again, time, 0.5 * time_step, halvings + 1));
-  return advance(again, time + 0.5 * time_step, 0.5 * time_step, halvings + 1);
+  DROGUE_TRY(advance(step, time, 0.5 * time_step, {part.halvings + 1, false}));
+  return advance(step, time + 0.5 * time_step, 0.5 * time_step, {part.halvings + 1, part.is_last});
 }
 
 Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double time_step) {
@@ -81,6 +81,8 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     if (loop.wall_velocity == WallVelocity::mesh_rate) {
       for (std::size_t i = 0; i < d_.size(); ++i) v_[i] = (d_[i] - n_.d[i]) / time_step;
       v_start_ = v_;
+    } else {
+      v_start_ = n_.v; // the structure's committed rate, not the last iterate's
     }
     const auto evaluated = exchange_.evaluate(at, load_factor, d_, v_, v_start_, d_tilde_, v_tilde_, record_);
     if (!evaluated && !curable(evaluated.error())) return evaluated.error();
@@ -89,6 +91,7 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
       return outcome;
     }
     outcome.iterations = k;
+    ++totals_.iterations;
     measure(time_step);
     learn_added_mass(k);
     record_.step = static_cast<double>(at.step);
@@ -113,6 +116,7 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
       return outcome;
     }
   }
+  outcome.acceptable = true;
   outcome.trouble = fmt::format("residual {:.2e} of the increment after {} iterations (asked: {:.0e})",
                                 record_.residual_relative, outcome.iterations, loop.relative);
   return outcome;
@@ -165,8 +169,9 @@ void StepLoop::learn_added_mass(int iteration) {
   d_tilde_before_ = d_tilde_;
 }
 
-Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double time, double time_step) {
-  DROGUE_TRY(participants_.commit(at, true));
+Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double time, double time_step,
+                              bool whole_step) {
+  DROGUE_TRY(participants_.commit(at, whole_step));
   accelerator_->end_step(outcome.converged);
   std::swap(n_minus_2_, n_minus_1_);
   std::swap(n_minus_1_, n_);
@@ -174,7 +179,7 @@ Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double 
   known_levels_ = std::min(known_levels_ + 1, 3);
 
   ++totals_.steps;
-  totals_.iterations += outcome.iterations;
+
   totals_.most_iterations = std::max(totals_.most_iterations, outcome.iterations);
   totals_.unconverged += outcome.converged ? 0 : 1;
 

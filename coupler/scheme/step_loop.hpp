@@ -41,17 +41,24 @@ class StepLoop {
     std::vector<double> d, v;
     double time_step = 0; ///< length of the step that led here
   };
+  /// A step, or the part of one that is done in halves: fields are written at the end of whole steps.
+  struct Part {
+    int halvings = 0;
+    bool is_last = true;
+  };
   struct Outcome {
     bool converged = false;
+    bool acceptable = false; ///< not converged within the allowed iterations, but neither failed nor diverged
     int iterations = 0;
     std::string trouble; ///< why not, when a solver failed or the residual blew up
   };
   StepLoop(Participants& participants, Exchange& exchange, Results& results, const CaseSettings& settings)
       : participants_(participants), exchange_(exchange), results_(results), settings_(settings) {}
 
-  [[nodiscard]] Result<void> advance(Station at, double time, double time_step, int halvings);
+  [[nodiscard]] Result<void> advance(std::uint64_t step, double time, double time_step, Part part);
   [[nodiscard]] Result<Outcome> iterate(Station& at, double time, double time_step);
-  [[nodiscard]] Result<void> finish(const Station& at, const Outcome& outcome, double time, double time_step);
+  [[nodiscard]] Result<void> finish(const Station& at, const Outcome& outcome, double time, double time_step,
+                                    bool whole_step);
   [[nodiscard]] Result<void> use_step(double time_step);
   void predict(double time_step);
   void measure(double time_step);
@@ -67,6 +74,7 @@ class StepLoop {
 
   Level n_, n_minus_1_, n_minus_2_;
   int known_levels_ = 1;
+  std::uint32_t attempt_ = 0; ///< of the present step: rises with every part and every retry
   std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, r_, work_;
   std::vector<double> d_before_, d_tilde_before_;
   IterationRecord record_;

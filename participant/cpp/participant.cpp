@@ -46,6 +46,12 @@ v1::Error::Code code_of(const Error& error) {
   return v1::Error::INTERNAL;
 }
 
+/// The exit status that goes with a fatal refusal.
+ErrorKind kind_of(v1::Error::Code code) {
+  if (code == v1::Error::CONFIGURATION || code == v1::Error::UNSUPPORTED) return ErrorKind::config;
+  return code == v1::Error::NUMERICAL ? ErrorKind::numerical : ErrorKind::internal;
+}
+
 Verdict verdict(const Result<void>& result) {
   if (result) return std::nullopt;
   return Refusal{code_of(result.error()), result.error().message, result.error().retryable};
@@ -118,8 +124,7 @@ class Server {
       // fatal.
       if (!refused && !refusal->retryable && refusal->code != v1::Error::BAD_MESSAGE &&
           refusal->code != v1::Error::NOT_FINITE)
-        fail({refusal->code == v1::Error::CONFIGURATION ? ErrorKind::config : ErrorKind::numerical,
-              refusal->message});
+        fail({kind_of(refusal->code), refusal->message});
     } else {
       state_ = *next_state(state_, in.body_case());
       if (out.body_case() == Body::BODY_NOT_SET) out.mutable_done();

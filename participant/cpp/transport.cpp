@@ -18,6 +18,7 @@ using std::chrono::steady_clock;
 constexpr auto beat_interval = std::chrono::seconds(1);
 /// How long a solver that is in the middle of its work may go on after the coupler is gone.
 constexpr auto grace_without_coupler = std::chrono::seconds(10);
+constexpr int last_answer_linger = 2000; // ms
 constexpr auto send_deadline = std::chrono::seconds(30);
 
 struct Progress {
@@ -48,8 +49,10 @@ Transport::~Transport() {
     stop_ = true;
   }
   wake_in_.send(zmq::message_t(), zmq::send_flags::dontwait);
-  thread_.join(); // the thread never waits for the peer: its polls end within a beat, its sends at their
-                  // deadline
+  thread_.join(); // it never waits for the peer: its polls end within a beat, its sends at their deadline
+  // ZeroMQ may still hold the last answer: it gets a moment to leave, in the background, while the coupler is
+  // there.
+  socket_.set(zmq::sockopt::linger, lost_.empty() ? last_answer_linger : 0);
 }
 
 Result<void> Transport::start() {

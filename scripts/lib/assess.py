@@ -43,7 +43,9 @@ def main(run):
     settled = slice(3 * steps // 4, None)
     table = Table("t10/" + run.resolve().parent.name)
     print(f"{steps} steps, {mean(drag, 'iterations'):.2f} iterations a step on average")
+    last_rows = {(row["step"], row["attempt"]): row for row in coupling}
     table.between("unconverged_steps", sum(row["converged"] != 1 for row in drag), 0, 0)
+    table.between("largest_last_residual", max(row["residual_relative"] for row in last_rows.values()), 0, 1e-3)
     table.between("largest_force_defect", max(row["force_defect"] for row in coupling), 0, 1e-12)
     table.between("drag_coefficient", mean(drag[settled], "cd"), 0.4, 1.2)
     # The lines hold what the air gives, up to the canopy's inertia.
