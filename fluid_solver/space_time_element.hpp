@@ -29,8 +29,12 @@ struct SpaceTimeValues {
 /// Positions of the two Gauss points in (0, 1).
 inline constexpr double slab_points[2] = {0.21132486540518711775, 0.78867513459481288225};
 
+/// Whether the advecting velocity is relative to the mesh. Leaving the mesh velocity out is wrong on a moving
+/// mesh; the tests do it to show that they would notice.
+enum class MeshVelocity { subtracted, left_out };
+
 /// Nodal values at theta of the slab; x receives the corners.
-template <class Real>
+template <MeshVelocity mesh_velocity, class Real>
 inline void values_in_slab(const SpaceTimeValues<Real>& in, double theta, double dt, Real x[4][3],
                            InstantValues<Real>& v) noexcept {
   const double T0 = 1.0 - theta;
@@ -41,7 +45,9 @@ inline void values_in_slab(const SpaceTimeValues<Real>& in, double theta, double
     for (int d = 0; d < 3; ++d) {
       x[a][d] = T0 * in.x_n[a][d] + T1 * in.x_np1[a][d];
       v.u[a][d] = T0 * in.w[a][d] + T1 * in.w[a][4 + d];
-      v.c[a][d] = v.u[a][d] - rate * (in.x_np1[a][d] - in.x_n[a][d]);
+      v.c[a][d] = v.u[a][d];
+      if constexpr (mesh_velocity == MeshVelocity::subtracted)
+        v.c[a][d] -= rate * (in.x_np1[a][d] - in.x_n[a][d]);
       v.a[a][d] = rate * (in.w[a][4 + d] - in.w[a][d]) - (T0 * in.f_n[a][d] + T1 * in.f_np1[a][d]);
     }
   }
@@ -72,7 +78,8 @@ inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double
 
 /// residual[a] = (R_(a,0)^u, R_(a,0)^p, R_(a,1)^u, R_(a,1)^p); with `tangent`, calls sink(a, b, block) for
 /// the 16 node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
-template <bool tangent, class Real, class Rule, class Sink>
+template <bool tangent, MeshVelocity mesh_velocity = MeshVelocity::subtracted, class Real, class Rule,
+          class Sink>
 inline void space_time_element(const SpaceTimeValues<Real>& in, double dt, const Rule& rule,
                                Real residual[4][8], Sink&& sink) noexcept {
   const Real jump_V20 = 0.05 * tet_geometry(in.x_n).volume;
@@ -92,7 +99,7 @@ inline void space_time_element(const SpaceTimeValues<Real>& in, double dt, const
     const double theta = slab_points[point];
     Real x[4][3];
     InstantValues<Real> v;
-    values_in_slab(in, theta, dt, x, v);
+    values_in_slab<mesh_velocity>(in, theta, dt, x, v);
     evaluate_instant(x, v, 0.5 * dt, rule, point, s[point]);
     const double T[2] = {1.0 - theta, theta};
     const double D[2] = {-1.0 / dt, 1.0 / dt};

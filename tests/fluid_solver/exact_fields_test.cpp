@@ -58,7 +58,8 @@ TEST(MovingMesh, UniformAccelerationByABodyForceIsExact) {
   EXPECT_LT(error_on_moving_mesh(s, vector_expression("1+2*t", "-t", "0.5*t")), 1e-9);
 }
 
-/// The element without the mesh velocity must not pass the shear test: the test above can fail.
+/// The exact shear on a moved mesh has no residual; without the mesh velocity in the advection it has one, so
+/// the test above fails then.
 TEST(MovingMesh, ShearIsWrongWhenTheMeshVelocityIsLeftOut) {
   const auto mesh = FluidMesh::create(box_mesh({2, 2, 2}, {1, 1, 1}));
   ASSERT_TRUE(mesh.ok());
@@ -87,9 +88,7 @@ TEST(MovingMesh, ShearIsWrongWhenTheMeshVelocityIsLeftOut) {
     };
     space_time_element<false>(in, dt, rule, r, ignore);
     add(with);
-    std::copy(&in.x_n[0][0], &in.x_n[0][0] + 12,
-              &in.x_np1[0][0]); // the slab of a mesh at rest, same nodal values
-    space_time_element<false>(in, dt, rule, r, ignore);
+    space_time_element<false, MeshVelocity::left_out>(in, dt, rule, r, ignore);
     add(without);
   }
   // the one node inside the box
