@@ -203,7 +203,6 @@ Result<void> Hub::take(wire::Message message) {
     }
   } else if (e.has_beat()) {
     peer.beat = e.beat();
-
   } else if (peer.request != 0 && e.request_id() == peer.request) {
     peer.busy_seconds += Seconds(steady_clock::now() - peer.asked_at).count();
     peer.answer = std::move(message);

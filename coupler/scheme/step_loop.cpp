@@ -60,7 +60,6 @@ Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step
   }
   if (!may_retry) return numerical_error("{}", what);
   spdlog::warn("{}: rolled back, in halves", what);
-
   DROGUE_TRY(participants_.roll_back(at));
   ++totals_.retries;
   DROGUE_TRY(advance(step, time, 0.5 * time_step, {part.halvings + 1, false}));

@@ -3,6 +3,9 @@
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
+# How many jobs to run side by side. nproc would take OMP_NUM_THREADS for the number of processors.
+jobs=${JOBS:-$(env -u OMP_NUM_THREADS nproc)}
+
 # One thread in BLAS unless the user asks for more: the processes of a coupled run share the cores.
 export OPENBLAS_NUM_THREADS=${OPENBLAS_NUM_THREADS:-1}
 export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "common/program/solver_program.hpp"
+
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+#include "common/base/log.hpp"
+
+namespace drogue {
+
+int run_solver_program(const SolverProgram& program, int argc, char** argv) {
+  CLI::App app(program.description, program.name);
+  app.require_subcommand(1);
+  std::string file, endpoint;
+  CLI::App* run = app.add_subcommand("run", "runs a config, alone or as a participant of a coupled run");
+  run->add_option("FILE", file, "config (*.textproto)")->required();
+  run->add_option("--connect", endpoint, "where the coupler listens; makes this a participant");
+  CLI::App* check =
+      app.add_subcommand("check", "validates a config and its mesh; reports every error at once");
+  check->add_option("FILE", file, "config (*.textproto)")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorKind::config);
+  }
+  start_log(program.name);
+  const Result<void> done = check->parsed() ? program.check(file) : program.run(file, endpoint);
+  if (done) return 0;
+  if (program.speaks()) fmt::print(stderr, "{}\n", done.error().message);
+  return exit_status(done.error());
+}
+
+} // namespace drogue

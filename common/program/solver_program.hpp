@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/base/result.hpp"
+
+namespace drogue {
+
+/// What one of our solvers does with its command line. The functions print their own results; errors are
+/// returned.
+struct SolverProgram {
+  std::string name;
+  std::string description;
+  /// `NAME check FILE`: validates a config.
+  std::function<Result<void>(const std::string& file)> check;
+  /// `NAME run FILE`: alone when `endpoint` is empty; `NAME run FILE --connect ENDPOINT`: as a participant.
+  std::function<Result<void>(const std::string& file, const std::string& endpoint)> run;
+  /// Whether this process prints errors: one rank of an MPI job does.
+  std::function<bool()> speaks = [] { return true; };
+};
+
+/// The whole of main(): parses the command line, starts the log, runs, prints an error. Returns the exit
+/// status (0 done, 1 internal, 2 bad config or command line, 3 numerical failure, 4 peer, 5 interrupted).
+[[nodiscard]] int run_solver_program(const SolverProgram& program, int argc, char** argv);
+
+} // namespace drogue
