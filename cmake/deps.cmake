@@ -42,9 +42,11 @@ drogue_need(CHOLMOD_LIBRARY libsuitesparse-dev)
 drogue_need(UMFPACK_LIBRARY libsuitesparse-dev)
 find_library(OPENBLAS_LIBRARY NAMES openblas PATH_SUFFIXES openblas-pthread)
 drogue_need(OPENBLAS_LIBRARY libopenblas-pthread-dev)
+find_library(GOMP_LIBRARY NAMES libgomp.so.1) # the OpenMP runtime that CHOLMOD was built with
+drogue_need(GOMP_LIBRARY libgomp1)
 add_library(drogue_suitesparse INTERFACE)
 target_include_directories(drogue_suitesparse SYSTEM INTERFACE ${SUITESPARSE_INCLUDE})
-target_link_libraries(drogue_suitesparse INTERFACE ${CHOLMOD_LIBRARY} ${UMFPACK_LIBRARY} ${OPENBLAS_LIBRARY})
+target_link_libraries(drogue_suitesparse INTERFACE ${CHOLMOD_LIBRARY} ${UMFPACK_LIBRARY} ${OPENBLAS_LIBRARY} ${GOMP_LIBRARY})
 add_library(SuiteSparse::SuiteSparse ALIAS drogue_suitesparse)
 
 find_path(GMSH_INCLUDE gmsh.h)

@@ -9,13 +9,35 @@
 #include <cholmod.h>
 #include <umfpack.h>
 
-extern "C" void openblas_set_num_threads(int);
+extern "C" {
+void openblas_set_num_threads(int);
+int omp_get_max_active_levels();
+void omp_set_max_active_levels(int);
+}
 
 namespace drogue::la {
 
 void use_one_blas_thread() {
   openblas_set_num_threads(1);
 }
+
+namespace {
+
+/// While it lives, OpenMP regions run on the thread that meets them. CHOLMOD copies even its smallest fronts
+/// in regions of four threads, whatever the environment says; their start and their spinning took half of the
+/// factorisation of a structure.
+class WithoutOpenMp {
+ public:
+  WithoutOpenMp() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~WithoutOpenMp() { omp_set_max_active_levels(levels_); }
+  WithoutOpenMp(const WithoutOpenMp&) = delete;
+  WithoutOpenMp& operator=(const WithoutOpenMp&) = delete;
+
+ private:
+  int levels_;
+};
+
+} // namespace
 
 struct CholeskySolver::State {
   cholmod_common common{};
@@ -85,6 +107,7 @@ Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
     s.n = static_cast<int>(A.rows());
   }
   if (s.n != A.rows()) return internal_error("CHOLMOD: the matrix changed its size without forget_pattern()");
+  const WithoutOpenMp alone;
   cholmod_factorize(&a, s.factor, &s.common);
   if (s.common.status == CHOLMOD_NOT_POSDEF) return false;
   if (s.common.status < 0)
