@@ -23,6 +23,7 @@ struct Sums {
   StressFields fields;
   std::vector<double> weight; // of the nodal means
   std::size_t cables = 0, slack = 0;
+  double area = 0, wrinkled_area = 0;
   double max_stress = -std::numeric_limits<double>::infinity();
   double min_stress = std::numeric_limits<double>::infinity();
 };
@@ -34,16 +35,18 @@ void add(const Batch<Membrane<Kind>>& batch, const Model& model, std::span<const
   for (std::size_t e = 0; e < batch.count(); ++e) {
     const auto& reference = batch.reference[e];
     const auto x = positions<Kernel>(model, u, batch.element(e));
-    double area = 0, largest = 0, smallest = 0;
+    double area = 0, largest = 0, smallest = 0, state = 0;
     for (std::size_t q = 0; q < Kernel::points; ++q) {
-      const PrincipalStress p =
-          Kernel::principal_stress(Kernel::point_state(reference, batch.material, x, q));
+      const auto at = Kernel::point_state(reference, batch.material, x, q);
+      const PrincipalStress p = Kernel::principal_stress(at);
       sums.max_stress = std::max(sums.max_stress, p.largest);
       sums.min_stress = std::min(sums.min_stress, p.smallest);
       const double dA = reference.area[q];
       area += dA;
       largest += p.largest * dA;
       smallest += p.smallest * dA;
+      state += static_cast<double>(at.wrinkle_state) * dA;
+      if (at.wrinkle_state != WrinkleState::taut) sums.wrinkled_area += dA;
       for (int a = 0; a < Kernel::nodes; ++a) {
         const auto node = static_cast<std::size_t>(batch.element(e)[a]);
         const double w = rule.points[q].N(a) * dA;
@@ -55,6 +58,8 @@ void add(const Batch<Membrane<Kind>>& batch, const Model& model, std::span<const
     sums.fields.cell_largest.push_back(largest / area);
     sums.fields.cell_smallest.push_back(smallest / area);
     sums.fields.cell_tension.push_back(0);
+    sums.fields.cell_wrinkle_state.push_back(state / area);
+    sums.area += area;
   }
 }
 
@@ -66,9 +71,12 @@ void add(const Batch<Line>& batch, const Model& model, std::span<const double> u
     sums.fields.cell_smallest.push_back(0);
     sums.fields.cell_tension.push_back(tension);
     sums.fields.max_tension = std::max(sums.fields.max_tension, tension);
+    const bool slack = batch.material.tension_only && tension <= 0;
+    sums.fields.cell_wrinkle_state.push_back(
+        static_cast<double>(slack ? WrinkleState::slack : WrinkleState::taut));
     if (!batch.material.tension_only) continue;
     sums.cables += 1;
-    if (tension <= 0) sums.slack += 1;
+    if (slack) sums.slack += 1;
   }
 }
 
@@ -91,6 +99,7 @@ StressFields stress_fields(const Model& model, std::span<const double> u) {
     sums.fields.max_stress = sums.max_stress;
     sums.fields.min_stress = sums.min_stress;
   }
+  if (sums.area > 0) sums.fields.wrinkled_fraction = sums.wrinkled_area / sums.area;
   if (sums.cables > 0)
     sums.fields.slack_fraction = static_cast<double>(sums.slack) / static_cast<double>(sums.cables);
   return std::move(sums.fields);

@@ -16,13 +16,17 @@ struct StressFields {
   std::vector<double>
       cell_largest; ///< largest principal second Piola-Kirchhoff stress, mean of a membrane; 0 on lines
   std::vector<double> cell_smallest;
-  std::vector<double> cell_tension;   ///< tension of a line [force]; 0 on membranes
+  std::vector<double> cell_tension; ///< tension of a line [force]; 0 on membranes
+  /// 0 slack, 1 wrinkled, 2 taut (WrinkleState), mean over a membrane's points; a line is slack or taut.
+  std::vector<double> cell_wrinkle_state;
   std::vector<double> nodal_largest;  ///< {nodes}
   std::vector<double> nodal_smallest; ///< {nodes}
   double max_stress = 0;              ///< over the quadrature points; 0 without membranes
   double min_stress = 0;
   double max_tension = 0;
   double slack_fraction = 0; ///< of all tension-only elements; 0 without any
+  /// Share of the membranes' reference area that is wrinkled or slack; 0 without membranes.
+  double wrinkled_fraction = 0;
 };
 
 /// @param u displacement, {3 nodes}

@@ -11,9 +11,9 @@ Results::Results(const Settings& settings, const Model& model, std::filesystem::
 }
 
 std::vector<std::string> Results::series_columns() const {
-  std::vector<std::string> columns = {"time",          "step",          "newton_iterations", "kinetic_energy",
-                                      "strain_energy", "unbalance",     "max_stress",        "min_stress",
-                                      "max_tension",   "slack_fraction"};
+  std::vector<std::string> columns = {
+      "time",       "step",       "newton_iterations", "kinetic_energy", "strain_energy",    "unbalance",
+      "max_stress", "min_stress", "max_tension",       "slack_fraction", "wrinkled_fraction"};
   for (const SupportSet& support : model_.supports)
     for (const char* c : {"x", "y", "z"}) columns.push_back(fmt::format("reaction_{}_{}", support.group, c));
   return columns;
@@ -58,7 +58,8 @@ void Results::row(const Step& step) {
                                 stress.max_stress,
                                 stress.min_stress,
                                 stress.max_tension,
-                                stress.slack_fraction};
+                                stress.slack_fraction,
+                                stress.wrinkled_fraction};
   for (const auto& reaction : balance.reactions)
     values.insert(values.end(), reaction.begin(), reaction.end());
   series_.row(values);
@@ -88,7 +89,8 @@ Result<void> Results::fields(const State& state) {
                      {"principal_stress_2", 1, stress.nodal_smallest}};
   data.cell_data = {{"principal_stress_1", 1, stress.cell_largest},
                     {"principal_stress_2", 1, stress.cell_smallest},
-                    {"tension", 1, stress.cell_tension}};
+                    {"tension", 1, stress.cell_tension},
+                    {"wrinkle_state", 1, stress.cell_wrinkle_state}};
   const auto file = directory_ / fmt::format("structure_{:06}.vtu", state.step);
   DROGUE_TRY(io::write_vtu(file, data));
   last_fields_ = state.step;

@@ -21,7 +21,7 @@ namespace drogue::structure {
 ///   structure_N.vtu, structure.pvd   every field_interval steps, on the current positions: displacement,
 ///   velocity,
 ///                     acceleration, principal second Piola-Kirchhoff stresses (nodes and cells), cable
-///                     tension
+///                     tension, wrinkle state (0 slack, 1 wrinkled, 2 taut)
 /// A run that continues from step N writes structure_from_N.csv and so on, beside what the earlier run left.
 class Results {
  public:

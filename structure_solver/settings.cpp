@@ -19,7 +19,14 @@ config::VectorExpression expression(const v1::VectorExpression& message) {
 }
 
 MembraneSettings membrane(const v1::MembraneGroup& m) {
-  return {m.group(), {m.thickness(), m.density(), m.youngs_modulus(), m.poisson_ratio(), m.prestress()}};
+  return {m.group(),
+          {.thickness = m.thickness(),
+           .density = m.density(),
+           .youngs_modulus = m.youngs_modulus(),
+           .poisson_ratio = m.poisson_ratio(),
+           .prestress = m.prestress(),
+           .wrinkling = m.wrinkling() == v1::TENSION_FIELD ? Wrinkling::tension_field : Wrinkling::none,
+           .slack_stiffness = m.slack_stiffness()}};
 }
 
 LineSettings line(const v1::LineGroup& m, bool tension_only) {

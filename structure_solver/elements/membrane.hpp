@@ -7,32 +7,19 @@
 #include <Eigen/Dense>
 
 #include "structure_solver/elements/element.hpp"
+#include "structure_solver/elements/plane_stress.hpp"
 #include "structure_solver/elements/surface_rule.hpp"
 
 namespace drogue::structure {
-
-/// Plane stress, St. Venant-Kirchhoff: S = E/(1-nu^2) ((1-nu) E + nu tr(E) I) + S_0 I.
-struct MembraneMaterial {
-  double thickness = 0;      ///< h [length], constant
-  double density = 0;        ///< rho_0 [mass per volume]
-  double youngs_modulus = 0; ///< E [stress]
-  double poisson_ratio = 0;  ///< nu
-  double prestress = 0;      ///< S_0 [stress], isotropic, in the reference configuration
-};
-
-/// Principal second Piola-Kirchhoff stresses at a point.
-struct PrincipalStress {
-  double largest = 0;
-  double smallest = 0;
-};
 
 /// Membrane without bending stiffness, total Lagrangian [stein2001, eq. (3)].
 ///
 /// Weak form: for all w,  int_A0 h S : dE(w) dA = external work,  E = 1/2 (F^T F - I) in the tangent plane,
 /// F = [f_1 f_2] = dx/dX (3 x 2). With the shape functions' derivatives in the tangent plane, b_a = dN_a/dX:
 ///   force on node a     int h (f_1 S_1. + f_2 S_2.) b_a dA
-///   tangent (a, b)      int h (B_a^T C B_b + (b_a . S b_b) I) dA
-/// The tangent is exact and symmetric. Constant-thickness form: h is the reference thickness.
+///   tangent (a, b)      int h (B_a^T C B_b + (b_a . S b_b) I) dA,  C = dS/dE
+/// S and C come from the plane-stress law. The tangent is symmetric, and exact up to the slack stiffness of a
+/// tension field. Constant-thickness form: h is the reference thickness.
 template <mesh::ElementKind Kind>
 struct Membrane {
   static constexpr mesh::ElementKind kind = Kind;
@@ -71,47 +58,40 @@ struct Membrane {
 
   /// Strain and stress at a quadrature point; shear strain is the engineering one, gamma = 2 E_12.
   struct PointState {
-    Eigen::Matrix<double, 3, 2> F;
     Eigen::Vector3d strain;
     Eigen::Vector3d stress; ///< S_11, S_22, S_12
+    WrinkleState wrinkle_state;
   };
   [[nodiscard]] static PointState point_state(const Reference& ref, const Material& m, const Positions& x,
                                               std::size_t q) noexcept {
-    PointState s;
-    s.F = x * ref.gradient[q].transpose();
-    s.strain << 0.5 * (s.F.col(0).squaredNorm() - 1), 0.5 * (s.F.col(1).squaredNorm() - 1),
-        s.F.col(0).dot(s.F.col(1));
-    const double c = m.youngs_modulus / (1 - m.poisson_ratio * m.poisson_ratio);
-    s.stress << c * (s.strain(0) + m.poisson_ratio * s.strain(1)) + m.prestress,
-        c * (s.strain(1) + m.poisson_ratio * s.strain(0)) + m.prestress,
-        c * 0.5 * (1 - m.poisson_ratio) * s.strain(2);
-    return s;
+    const PlaneStressLaw law(m);
+    const Eigen::Vector3d E = green_strain(x * ref.gradient[q].transpose());
+    return {E, law.stress(E).S, law.state(E)};
   }
 
   static void evaluate(const Reference& ref, const Material& m, const Positions& x, bool tangent,
                        Response<nodes>& out) noexcept {
     out.clear(tangent);
-    const double nu = m.poisson_ratio, c = m.youngs_modulus / (1 - nu * nu);
+    const PlaneStressLaw law(m);
     for (std::size_t q = 0; q < points; ++q) {
-      const PointState s = point_state(ref, m, x, q);
       const auto& B = ref.gradient[q];
+      const Eigen::Matrix<double, 3, 2> F = x * B.transpose();
       const double w = m.thickness * ref.area[q];
+      Eigen::Matrix3d C;
+      double geometric_tension = 0;
+      const PlaneStress at =
+          tangent ? law.stress(green_strain(F), C, geometric_tension) : law.stress(green_strain(F));
       Eigen::Matrix2d S;
-      S << s.stress(0), s.stress(2), s.stress(2), s.stress(1);
-      out.force.noalias() += (w * s.F * S) * B;
-      const Eigen::Vector3d prestress(m.prestress, m.prestress, 0);
-      out.energy += 0.5 * w * s.strain.dot(s.stress + prestress);
+      S << at.S(0), at.S(2), at.S(2), at.S(1);
+      out.force.noalias() += (w * F * S) * B;
+      out.energy += w * at.energy;
       if (!tangent) continue;
-      const Eigen::Vector3d f1 = s.F.col(0), f2 = s.F.col(1);
+      S.diagonal().array() += geometric_tension;
       for (int b = 0; b < nodes; ++b) {
-        const Eigen::Vector3d e1 = f1 * B(0, b), e2 = f2 * B(1, b), e3 = f1 * B(1, b) + f2 * B(0, b);
-        const Eigen::Vector3d s1 = w * c * (e1 + nu * e2), s2 = w * c * (e2 + nu * e1);
-        const Eigen::Vector3d s3 = w * c * 0.5 * (1 - nu) * e3;
+        const Eigen::Matrix3d CB = w * strain_gradient(F, B, b) * C; // column i: h dA C_i. B_b
         const Eigen::Vector2d Sb = w * (S * B.col(b));
         for (int a = 0; a < nodes; ++a) {
-          const Eigen::Vector3d c3 = f1 * B(1, a) + f2 * B(0, a);
-          Eigen::Matrix3d K =
-              (B(0, a) * f1) * s1.transpose() + (B(1, a) * f2) * s2.transpose() + c3 * s3.transpose();
+          Eigen::Matrix3d K = strain_gradient(F, B, a) * CB.transpose();
           K.diagonal().array() += B.col(a).dot(Sb);
           out.tangent.template block<3, 3>(3 * a, 3 * b) += K;
         }
@@ -128,6 +108,21 @@ struct Membrane {
     const double mean = 0.5 * (s.stress(0) + s.stress(1));
     const double radius = std::hypot(0.5 * (s.stress(0) - s.stress(1)), s.stress(2));
     return {mean + radius, mean - radius};
+  }
+
+ private:
+  /// E_11, E_22, 2 E_12
+  [[nodiscard]] static Eigen::Vector3d green_strain(const Eigen::Matrix<double, 3, 2>& F) noexcept {
+    return {0.5 * (F.col(0).squaredNorm() - 1), 0.5 * (F.col(1).squaredNorm() - 1), F.col(0).dot(F.col(1))};
+  }
+
+  /// Columns: dE_11/dx_a, dE_22/dx_a, 2 dE_12/dx_a [1/length].
+  [[nodiscard]] static Eigen::Matrix3d strain_gradient(const Eigen::Matrix<double, 3, 2>& F,
+                                                       const Eigen::Matrix<double, 2, nodes>& B,
+                                                       int a) noexcept {
+    Eigen::Matrix3d D;
+    D << F.col(0) * B(0, a), F.col(1) * B(1, a), F.col(0) * B(1, a) + F.col(1) * B(0, a);
+    return D;
   }
 };
 

@@ -2,6 +2,9 @@
 //
 // Every kernel: tangent against finite differences at a non-trivial state, force against the energy's
 // derivative, rigid motion, and exact stresses.
+#include <tuple>
+
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include "structure_solver/elements/follower_pressure.hpp"
@@ -112,6 +115,96 @@ TEST(Membrane, TangentAndForceAreDerivatives) {
   t3.check_derivatives(moved(t3.X, 0.15));
   const auto q9 = membrane_case<Membrane<ElementKind::quad9>>(400);
   q9.check_derivatives(moved(q9.X, 0.15));
+}
+
+/// One element stretched and narrowed in its plane's first two directions, moved a little besides.
+template <class Kernel>
+typename Kernel::Positions deformed(const ElementCase<Kernel>& c, double stretch1, double stretch2) {
+  Eigen::Matrix3d U = Eigen::Matrix3d::Identity();
+  U(0, 0) = stretch1, U(1, 1) = stretch2;
+  return moved(typename Kernel::Positions(U * c.X), 0.01);
+}
+
+template <class Kernel>
+ElementCase<Kernel> tension_field_case(double prestress) {
+  auto c = membrane_case<Kernel>(prestress);
+  c.material.wrinkling = Wrinkling::tension_field;
+  c.material.slack_stiffness = 0;
+  return c;
+}
+
+template <class Kernel>
+void check_tension_field() {
+  for (const double prestress : {0.0, 400.0}) {
+    const auto c = tension_field_case<Kernel>(prestress);
+    for (const auto& [s1, s2, state] :
+         {std::tuple(1.2, 1.15, WrinkleState::taut), std::tuple(1.2, 0.7, WrinkleState::wrinkled),
+          std::tuple(0.6, 1.2, WrinkleState::wrinkled)}) {
+      const auto x = deformed(c, s1, s2);
+      for (std::size_t q = 0; q < Kernel::points; ++q)
+        ASSERT_EQ(Kernel::point_state(c.reference, c.material, x, q).wrinkle_state, state);
+      c.check_derivatives(x);
+    }
+  }
+}
+
+TEST(TensionField, TangentAndForceAreDerivatives) {
+  check_tension_field<Membrane<ElementKind::tri3>>();
+  check_tension_field<Membrane<ElementKind::quad9>>();
+}
+
+TEST(TensionField, SlackClothPullsNothingAndKeepsARegularTangent) {
+  using Kernel = Membrane<ElementKind::quad9>;
+  auto c = tension_field_case<Kernel>(400);
+  c.material.slack_stiffness = 1e-6;
+  Response<9> out;
+  c.evaluate(deformed(c, 0.5, 0.6), out);
+  EXPECT_EQ(out.force.cwiseAbs().maxCoeff(), 0);
+  const Eigen::Vector<double, 27> stiffness =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 27, 27>>(out.tangent).eigenvalues();
+  const double Eh = c.material.youngs_modulus * c.material.thickness;
+  EXPECT_LT(std::abs(stiffness(2)), 1e-15 * Eh); // rigid translations
+  EXPECT_GT(stiffness(3), 1e-8 * Eh);
+  EXPECT_LT(stiffness(26), 1e-4 * Eh);
+}
+
+/// A compressed plate has lost stiffness across its plane; the tangent of a tension field is never
+/// indefinite.
+TEST(TensionField, TangentIsNeverIndefinite) {
+  using Kernel = Membrane<ElementKind::quad9>;
+  const auto field = tension_field_case<Kernel>(0), plate = membrane_case<Kernel>(0);
+  const auto smallest = [](const auto& c, double stretch) {
+    Response<9> out;
+    c.evaluate(moved(Kernel::Positions(stretch * c.X), 0.2), out);
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 27, 27>>(out.tangent).eigenvalues()(0);
+  };
+  const double Eh = field.material.youngs_modulus * field.material.thickness;
+  for (const double stretch : {1.3, 1.0, 0.7}) EXPECT_GE(smallest(field, stretch), -1e-12 * Eh);
+  EXPECT_LT(smallest(plate, 0.7), -1e-3 * Eh);
+}
+
+TEST(TensionField, AnswersTheSameInEveryFrame) {
+  using Kernel = Membrane<ElementKind::tri3>;
+  const auto c = tension_field_case<Kernel>(400);
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  for (const auto& x : {deformed(c, 1.2, 1.15), deformed(c, 1.2, 0.7)}) {
+    Response<3> here, there, renumbered;
+    c.evaluate(x, here);
+    c.evaluate(R * x, there);
+    EXPECT_LT((there.force - R * here.force).norm(), 1e-12 * here.force.norm());
+    EXPECT_NEAR(there.energy, here.energy, 1e-12 * here.energy);
+    // Another first node turns the frame of the reference plane.
+    const auto turn = [](const auto& X) {
+      Kernel::Positions Y;
+      Y << X.col(1), X.col(2), X.col(0);
+      return Y;
+    };
+    Kernel::evaluate(Kernel::reference(turn(c.X)), c.material, turn(x), true, renumbered);
+    EXPECT_LT((renumbered.force - turn(here.force)).norm(), 1e-12 * here.force.norm());
+    EXPECT_LT((renumbered.tangent.topLeftCorner<6, 6>() - here.tangent.bottomRightCorner<6, 6>()).norm(),
+              1e-12 * here.tangent.norm());
+  }
 }
 
 TEST(Membrane, RigidMotionGivesNoForce) {
