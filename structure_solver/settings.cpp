@@ -37,7 +37,8 @@ LineSettings line(const v1::LineGroup& m, bool tension_only) {
                    m.youngs_modulus(),
                    m.prestress(),
                    m.strain() == v1::ENGINEERING ? StrainMeasure::engineering : StrainMeasure::green,
-                   tension_only};
+                   tension_only,
+                   m.slack_strain()};
   if (m.has_natural_length()) line.natural_length = m.natural_length();
   return line;
 }

@@ -21,16 +21,20 @@ struct LineMaterial {
   double prestress = 0;      ///< stress in the natural configuration [stress]
   StrainMeasure strain = StrainMeasure::green;
   bool tension_only = false; ///< goes slack under compression
+  /// Half width delta of the strain interval in which a cable goes slack; 0: at once.
+  double slack_strain = 0;
 };
 
 /// Straight two-node line, natural length L, current vector d = x_2 - x_1, length l = |d|, s = E eps + s_0:
 ///   green        f_2 = A s d / L,   tension N = A s l / L
 ///   engineering  f_2 = A s d / l,   tension N = A s
 /// Weak form: int_0^L A s d(eps) dX = external work, exact with one point because eps is constant.
+/// Stored energy A L w(eps) with dw/deps = s.
 ///
 /// A cable with s <= 0 is slack: no force. Its tangent is not zero but `slack_stiffness` times EA/L in every
 /// direction, so that a node that hangs on slack cables alone leaves the tangent regular; the force stays
-/// exact.
+/// exact. With slack_strain delta > 0 the switch is regularised: over |s| < E delta the stress is
+/// (s + E delta)^2 / (4 E delta), so that stress and tangent are continuous.
 struct Line {
   static constexpr mesh::ElementKind kind = mesh::ElementKind::line2;
   static constexpr int nodes = 2;
@@ -49,9 +53,17 @@ struct Line {
   /// Tension N [force]; 0 when slack, negative in a truss under compression.
   [[nodiscard]] static double tension(const Reference& ref, const Material& m, const Positions& x) noexcept {
     const double l = (x.col(1) - x.col(0)).norm(), L = ref.natural_length;
-    const double s = stress(m, l, L);
-    if (m.tension_only && s <= 0) return 0;
+    const double s = stress(m, l, L).s;
     return m.strain == StrainMeasure::green ? m.area * s * l / L : m.area * s;
+  }
+
+  /// dW/dL of the stored energy W at fixed ends [force]: what a change of the natural length costs.
+  [[nodiscard]] static double energy_by_length(const Reference& ref, const Material& m,
+                                               const Positions& x) noexcept {
+    const double l = (x.col(1) - x.col(0)).norm(), L = ref.natural_length;
+    const Stress stress_at = stress(m, l, L);
+    const double L_deps_dL = m.strain == StrainMeasure::green ? -l * l / (L * L) : -l / L;
+    return m.area * (stress_at.energy + stress_at.s * L_deps_dL);
   }
 
   static void evaluate(const Reference& ref, const Material& m, const Positions& x, bool tangent,
@@ -59,19 +71,19 @@ struct Line {
     out.clear(tangent);
     const Eigen::Vector3d d = x.col(1) - x.col(0);
     const double l = d.norm(), L = ref.natural_length, EA = m.youngs_modulus * m.area;
-    const double s = stress(m, l, L);
+    const Stress stress_at = stress(m, l, L);
     Eigen::Matrix3d K;
-    if (m.tension_only && s <= 0) {
+    if (stress_at.slack) {
       K = (slack_stiffness * EA / L) * Eigen::Matrix3d::Identity();
     } else {
       // N_l = tension / l; a truss of length zero has no direction: a tiny length keeps the numbers finite.
       const bool green = m.strain == StrainMeasure::green;
-      const double length = l > 0 ? l : tiny_length * L;
-      const double N_l = green ? m.area * s / L : m.area * s / length;
-      const double axial = green ? EA / (L * L * L) : (EA / L - N_l) / (length * length);
+      const double length = l > 0 ? l : tiny_length * L, E_A = stress_at.tangent * m.area;
+      const double N_l = green ? m.area * stress_at.s / L : m.area * stress_at.s / length;
+      const double axial = green ? E_A / (L * L * L) : (E_A / L - N_l) / (length * length);
       out.force.col(0) = -N_l * d;
       out.force.col(1) = N_l * d;
-      out.energy = 0.5 * m.area * L * s * s / m.youngs_modulus;
+      out.energy = m.area * L * stress_at.energy;
       K = axial * d * d.transpose() + N_l * Eigen::Matrix3d::Identity();
     }
     if (!tangent) return;
@@ -85,9 +97,22 @@ struct Line {
  private:
   static constexpr double tiny_length = 1e-12;
 
-  [[nodiscard]] static double stress(const Material& m, double l, double L) noexcept {
+  struct Stress {
+    double s = 0;       ///< [stress]
+    double tangent = 0; ///< ds/deps [stress]
+    double energy = 0;  ///< w [energy per volume]
+    bool slack = false; ///< all of them are zero
+  };
+  [[nodiscard]] static Stress stress(const Material& m, double l, double L) noexcept {
     const double strain = m.strain == StrainMeasure::green ? 0.5 * ((l * l) / (L * L) - 1) : (l - L) / L;
-    return m.youngs_modulus * strain + m.prestress;
+    const double E = m.youngs_modulus, s = E * strain + m.prestress;
+    if (!m.tension_only) return {s, E, 0.5 * s * s / E, false};
+    const double delta = E * m.slack_strain;
+    if (s <= -delta) return {.slack = true};
+    if (s >= delta) return {s, E, (0.5 * s * s + delta * delta / 6) / E, false};
+    const double above = s + delta;
+    return {above * above / (4 * delta), E * above / (2 * delta), above * above * above / (12 * delta * E),
+            false};
   }
 };
 

@@ -261,6 +261,39 @@ TEST(Line, ForceIsTheTensionOfTheChosenStrain) {
   EXPECT_NEAR(out.force(0, 1), Line::tension(natural, material, x), 1e-10);
 }
 
+TEST(Line, RegularisedSlackSwitchIsContinuousAndExactOutside) {
+  for (const StrainMeasure strain : {StrainMeasure::green, StrainMeasure::engineering}) {
+    ElementCase<Line> sharp = line_case(strain, true), smooth = sharp;
+    smooth.material.slack_strain = 0.05;
+    const double taut_at = 1 - sharp.material.prestress / sharp.material.youngs_modulus;
+    for (const double scale : {taut_at - 0.03, taut_at, taut_at + 0.03})
+      smooth.check_derivatives(Line::Positions(scale * smooth.X));
+    const auto tension = [](const ElementCase<Line>& c, double scale) {
+      return Line::tension(c.reference, c.material, scale * c.X);
+    };
+    EXPECT_GT(tension(smooth, taut_at), 0);
+    EXPECT_EQ(tension(smooth, taut_at - 0.1), 0);
+    EXPECT_EQ(tension(smooth, taut_at + 0.1), tension(sharp, taut_at + 0.1));
+  }
+}
+
+TEST(Line, EnergyByLengthIsTheDerivative) {
+  for (const StrainMeasure strain : {StrainMeasure::green, StrainMeasure::engineering})
+    for (const double scale : {0.98, 1.01, 1.2}) {
+      ElementCase<Line> c = line_case(strain, true);
+      c.material.slack_strain = 0.05;
+      const auto energy = [&](double length) {
+        Response<2> out;
+        Line::evaluate({length}, c.material, scale * c.X, false, out);
+        return out.energy;
+      };
+      const double L = c.reference.natural_length, h = 1e-5 * L;
+      const double expected = (energy(L + h) - energy(L - h)) / (2 * h);
+      EXPECT_NEAR(Line::energy_by_length(c.reference, c.material, scale * c.X), expected,
+                  1e-7 * std::abs(expected) + 1e-9);
+    }
+}
+
 TEST(Line, SlackCablePullsNothingAndKeepsARegularTangent) {
   const auto cable = line_case(StrainMeasure::green, true);
   Response<2> out;
