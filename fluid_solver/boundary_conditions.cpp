@@ -13,15 +13,6 @@ std::size_t at(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Axis to which the face is normal to 1e-6; -1 when it is none.
-int normal_axis(const BoundaryFace& face, std::span<const double> points) {
-  const auto a = area_vector(face, points);
-  const double length = std::hypot(a[0], a[1], a[2]);
-  for (int d = 0; d < 3; ++d)
-    if (std::fabs(a[static_cast<std::size_t>(d)]) > (1 - 1e-12) * length) return d;
-  return -1;
-}
-
 const BoundarySettings* find(const Settings& settings, const std::string& name) {
   const auto found = std::find_if(settings.boundaries.begin(), settings.boundaries.end(),
                                   [&](const BoundarySettings& b) { return b.name == name; });
@@ -30,20 +21,6 @@ const BoundarySettings* find(const Settings& settings, const std::string& name) 
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-void check_slip_planes(const Settings& settings, const FluidMesh& mesh, config::Report& report) {
-  for (std::size_t i = 0; i < settings.boundaries.size(); ++i) {
-    const BoundarySettings& b = settings.boundaries[i];
-    if (b.condition != Condition::free_slip) continue;
-    const auto tilted = std::count_if(mesh.faces.begin(), mesh.faces.end(), [&](const BoundaryFace& face) {
-      return mesh.boundaries[at(face.boundary)] == b.name && normal_axis(face, mesh.points) < 0;
-    });
-    if (tilted > 0)
-      report.error(settings.source.where(fmt::format("boundary[{}].free_slip", i)),
-                   fmt::format("free_slip needs planes normal to x, y or z; {} faces of \"{}\" are not",
-                               tilted, b.name));
-  }
 }
 
 } // namespace
@@ -68,7 +45,6 @@ void check_against_mesh(const Settings& settings, const FluidMesh& mesh, config:
           settings.source.where("boundary"),
           fmt::format("boundary \"{}\" of {} has no condition; add a boundary {{ name: \"{}\" ... }}", name,
                       file, name));
-  check_slip_planes(settings, mesh, report);
 }
 
 std::vector<std::int32_t> boundary_indices(const FluidMesh& mesh, std::span<const std::string> names) {
@@ -86,23 +62,25 @@ VelocityConstraints::VelocityConstraints(const Settings& settings, const FluidMe
     condition_of[k] =
         static_cast<std::int32_t>(find(settings, mesh.boundaries[k]) - settings.boundaries.data());
   bool open = false;
-  for (const Condition pass : {Condition::no_slip, Condition::velocity, Condition::free_slip}) {
+  for (const Condition pass : {Condition::no_slip, Condition::velocity}) {
     for (const BoundaryFace& face : mesh.faces) {
       const std::int32_t index = condition_of[at(face.boundary)];
       const BoundarySettings& b = boundaries_[at(index)];
       if (b.condition != pass) continue;
-      const int axis = pass == Condition::free_slip ? normal_axis(face, mesh.points) : -1;
       for (const std::int32_t node : face.nodes)
         for (int d = 0; d < 3; ++d)
-          if (pass == Condition::velocity ||
-              (pass == Condition::no_slip && b.components[static_cast<std::size_t>(d)]) || d == axis)
-            add(node, d, index);
+          if (pass == Condition::velocity || b.components[static_cast<std::size_t>(d)]) add(node, d, index);
       const auto area = area_vector(face, mesh.points);
       const double size = std::hypot(area[0], area[1], area[2]);
       for (std::size_t d = 0; d < 3; ++d) // a wall that does not hold its normal component
         open = open || (pass == Condition::no_slip && !b.components[d] && std::fabs(area[d]) > 1e-6 * size);
     }
   }
+  std::vector<SlipWalls::Face> slip;
+  for (const BoundaryFace& face : mesh.faces)
+    if (const auto& b = boundaries_[at(condition_of[at(face.boundary)])]; b.condition == Condition::free_slip)
+      slip.push_back({face, b.slip_wall});
+  slip_ = SlipWalls(slip, fixed_, mesh.points, settings.slip_feature_angle);
   for (const BoundaryFace& face : mesh.faces)
     if (boundaries_[at(condition_of[at(face.boundary)])].is_open())
       open_nodes_.insert(open_nodes_.end(), face.nodes.begin(), face.nodes.end());
@@ -118,18 +96,19 @@ void VelocityConstraints::add(std::int32_t node, int component, std::int32_t bou
   entries_.push_back({node, component, boundary});
 }
 
-void VelocityConstraints::apply(double t, std::span<const double> points,
-                                std::span<const double> wall_velocity, std::span<double> unknowns,
-                                std::size_t stride, std::size_t offset) const {
+std::vector<SlipDirections> VelocityConstraints::apply(double t, std::span<const double> points,
+                                                       std::span<const double> wall_velocity,
+                                                       std::span<double> unknowns, std::size_t stride,
+                                                       std::size_t offset) const {
   for (const Entry& e : entries_) {
     const BoundarySettings& b = boundaries_[at(e.boundary)];
     const double* x = points.data() + 3 * at(e.node);
     const auto d = static_cast<std::size_t>(e.component);
-    double value = 0; // free slip: no normal velocity in the inertial frame
-    if (b.condition == Condition::no_slip) value = wall_velocity[3 * at(e.node) + d];
-    if (b.condition == Condition::velocity) value = b.value[d](x[0], x[1], x[2], t);
-    unknowns[stride * at(e.node) + offset + d] = value;
+    unknowns[stride * at(e.node) + offset + d] = b.condition == Condition::velocity
+                                                     ? b.value[d](x[0], x[1], x[2], t)
+                                                     : wall_velocity[3 * at(e.node) + d];
   }
+  return slip_.apply(points, wall_velocity, unknowns, stride, offset);
 }
 
 } // namespace drogue::fluid

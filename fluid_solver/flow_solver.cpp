@@ -136,8 +136,8 @@ Result<void> FlowSolver::set_end(std::span<const double> x_np1, std::span<const 
 void FlowSolver::apply_constraints() {
   const auto n = static_cast<std::size_t>(active_->unknowns());
   const double t_np1 = data_.t_n + data_.dt;
-  if (n == 8) constraints_.apply(data_.t_n, data_.x_n, data_.wall_n, data_.unknowns, n, 0);
-  constraints_.apply(t_np1, data_.x_np1, data_.wall_np1, data_.unknowns, n, n - 4);
+  if (n == 8) data_.slip_n = constraints_.apply(data_.t_n, data_.x_n, data_.wall_n, data_.unknowns, n, 0);
+  data_.slip_np1 = constraints_.apply(t_np1, data_.x_np1, data_.wall_np1, data_.unknowns, n, n - 4);
 }
 
 /// U: the largest speed of the step's start; in a fluid at rest what the body force or one element a step

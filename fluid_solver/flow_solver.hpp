@@ -61,7 +61,7 @@ class FlowSolver {
   }
 
   [[nodiscard]] Result<void> begin_step(Formulation formulation, double dt);
-  /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at no-slip nodes. Not called:
+  /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at walls. Not called:
   /// mesh and walls stay at rest. Errors (retryable): an inverted element.
   [[nodiscard]] Result<void> set_end(std::span<const double> x_np1, std::span<const double> wall_n,
                                      std::span<const double> wall_np1);

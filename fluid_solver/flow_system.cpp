@@ -10,6 +10,7 @@
 #include "common/la_krylov/session.hpp"
 #include "fluid_solver/element_loop.hpp"
 #include "fluid_solver/open_boundary.hpp"
+#include "fluid_solver/slip_projection.hpp"
 #include "fluid_solver/tet_geometry.hpp"
 #include "fluid_solver/time_matrix.hpp"
 
@@ -61,6 +62,7 @@ class BlockFlowSystem final : public FlowSystem {
         exchange_(mesh.graph, ranges_, pattern_, la::rank(), n),
         elements_(mesh, own_, pattern_),
         open_(settings, mesh, own_, pattern_),
+        slip_(constraints.slip_nodes(), own_, pattern_),
         matrix_(pattern_),
         ilu_(pattern_),
         residual_(rows() * n),
@@ -113,6 +115,8 @@ class BlockFlowSystem final : public FlowSystem {
     add_elements<n>(elements_, data, parameters_, scale, residual_, jacobian ? &matrix_ : nullptr);
     open_.template add<n>(data, scale, residual_, jacobian ? &matrix_ : nullptr);
     for (std::size_t i = 0; i < rhs_.size(); ++i) rhs_[i] = -scale_[i % n] * residual_[i];
+    slip_.set(data);
+    slip_.apply(rhs_);
     for (const Fixed& f : fixed_) rhs_[at(f.row) * n + at(f.component)] = 0;
     if (jacobian)
       if (const auto singular = la::on_every_rank(factor()); !singular)
@@ -130,6 +134,7 @@ class BlockFlowSystem final : public FlowSystem {
     auto outcome = krylov_->solve(rhs_, solution_);
     if (!outcome) return outcome.error();
     if (!la::on_every_rank(!amg_failed_)) return internal_error("the pressure preconditioner failed");
+    slip_.apply(solution_);
     la::gather_to_all(ranges_, n, solution_, all_);
     for (std::size_t i = 0; i < unknowns.size(); ++i) unknowns[i] += scale_[i % n] * all_[i];
     return outcome;
@@ -144,6 +149,7 @@ class BlockFlowSystem final : public FlowSystem {
   [[nodiscard]] std::size_t rows() const { return at(pattern_.rows); }
 
   bool factor() {
+    slip_.apply(matrix_);
     for (const Fixed& f : fixed_) matrix_.set_identity_row(f.row, f.component);
     return !ilu_.factor(matrix_).has_value();
   }
@@ -186,6 +192,7 @@ class BlockFlowSystem final : public FlowSystem {
   la::GhostExchange exchange_;
   LocalElements elements_;
   OpenBoundary open_;
+  SlipProjection<n> slip_;
   la::BlockMatrix<n> matrix_;
   la::BlockIlu<n> ilu_;
   std::optional<la::PoissonAmg> amg_;

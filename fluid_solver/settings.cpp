@@ -49,6 +49,7 @@ BoundarySettings boundary(const v1::FluidBoundary& m, const std::string& path, c
     break;
   case v1::FluidBoundary::kFreeSlip:
     b.condition = Condition::free_slip;
+    b.slip_wall = m.free_slip().wall();
     break;
   case v1::FluidBoundary::kTractionFree:
     b.condition = Condition::traction_free;
@@ -140,6 +141,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
               m.newton().iterations_per_coupling(), m.newton().jacobian_lag()};
   s.linear = {m.linear().tolerance(), m.linear().max_iterations(), m.linear().restart()};
   load_boundaries(m, s, report);
+  s.slip_feature_angle = m.slip_feature_angle();
   s.interface_load = m.interface_load() == v1::TRACTION ? InterfaceLoad::traction : InterfaceLoad::pressure;
   load_forces(m, s, report);
   s.output = {m.output().directory(), m.output().field_interval(), m.output().series_interval()};

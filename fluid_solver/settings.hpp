@@ -23,6 +23,7 @@ struct BoundarySettings {
   config::VectorExpression value;                   ///< velocity or traction
   std::array<bool, 3> components{true, true, true}; ///< of no_slip
   double backflow = 0;                              ///< of traction_free
+  bool slip_wall = false;                           ///< of free_slip: its motion pushes the fluid
 
   /// The flow may cross it freely: its normal velocity is not prescribed by kind.
   [[nodiscard]] bool is_open() const {
@@ -81,6 +82,7 @@ struct Settings {
   NewtonSettings newton;
   la::KrylovOptions linear;
   std::vector<BoundarySettings> boundaries;
+  double slip_feature_angle = 40; ///< [degrees]
   std::vector<std::string> interface;
   InterfaceLoad interface_load = InterfaceLoad::pressure;
   std::vector<ForceSettings> forces;

@@ -3,19 +3,23 @@
 
 #include <vector>
 
+#include "fluid_solver/slip_walls.hpp"
+
 namespace drogue::fluid {
 
 /// One time step in nodal arrays in the solver's node order, the same on every rank. Pressures are kinematic.
 struct StepData {
   double t_n = 0;
   double dt = 0;
-  std::vector<double> x_n;      ///< {n, 3} mesh at t_n
-  std::vector<double> x_np1;    ///< {n, 3} mesh at t_{n+1}
-  std::vector<double> u_n;      ///< {n, 3} velocity at t_n^-
-  std::vector<double> f_n;      ///< {n, 3} body force per mass at t_n
-  std::vector<double> f_np1;    ///< {n, 3} and at t_{n+1}
-  std::vector<double> wall_n;   ///< {n, 3} velocity of the walls at t_n^+; read at no-slip nodes only
-  std::vector<double> wall_np1; ///< {n, 3} and at t_{n+1}^-
+  std::vector<double> x_n;              ///< {n, 3} mesh at t_n
+  std::vector<double> x_np1;            ///< {n, 3} mesh at t_{n+1}
+  std::vector<double> u_n;              ///< {n, 3} velocity at t_n^-
+  std::vector<double> f_n;              ///< {n, 3} body force per mass at t_n
+  std::vector<double> f_np1;            ///< {n, 3} and at t_{n+1}
+  std::vector<double> wall_n;           ///< {n, 3} velocity of the walls at t_n^+; read at walls only
+  std::vector<double> wall_np1;         ///< {n, 3} and at t_{n+1}^-
+  std::vector<SlipDirections> slip_n;   ///< directions in which free slip holds velocities, at t_n^+
+  std::vector<SlipDirections> slip_np1; ///< and at t_{n+1}^-
   std::vector<double>
       unknowns; ///< {n, 4}: (u, p) at t_{n+1}; or {n, 8}: (u, p) at t_n^+, (u, p) at t_{n+1}^-
 };

@@ -15,8 +15,11 @@
 namespace drogue::fluid::test {
 
 /// A box [0, size] of n[0] x n[1] x n[2] cells, six tetrahedra each; boundaries x0 x1 y0 y1 z0 z1.
-inline mesh::Mesh box_mesh(std::array<int, 3> n, std::array<double, 3> size) {
+/// mirrored: every other cell is the mirror image of its neighbour, so that the triangles round a node are
+/// symmetric.
+inline mesh::Mesh box_mesh(std::array<int, 3> n, std::array<double, 3> size, bool mirrored = false) {
   mesh::Mesh m;
+  const auto flipped = [&](int cell) { return mirrored && cell % 2 == 1; };
   const auto id = [&](int i, int j, int k) { return (k * (n[1] + 1) + j) * (n[0] + 1) + i; };
   for (int k = 0; k <= n[2]; ++k)
     for (int j = 0; j <= n[1]; ++j)
@@ -31,10 +34,11 @@ inline mesh::Mesh box_mesh(std::array<int, 3> n, std::array<double, 3> size) {
     for (int j = 0; j < n[1]; ++j)
       for (int i = 0; i < n[0]; ++i)
         for (const auto& path : order) {
-          int at[3] = {i, j, k};
+          int at[3] = {i + flipped(i), j + flipped(j), k + flipped(k)};
+          const int step[3] = {flipped(i) ? -1 : 1, flipped(j) ? -1 : 1, flipped(k) ? -1 : 1};
           fluid.nodes.push_back(id(at[0], at[1], at[2]));
           for (const int axis : path) {
-            ++at[axis];
+            at[axis] += step[axis];
             fluid.nodes.push_back(id(at[0], at[1], at[2]));
           }
         }
@@ -51,8 +55,8 @@ inline mesh::Mesh box_mesh(std::array<int, 3> n, std::array<double, 3> size) {
           const auto node = [&](int da, int db) {
             int at[3];
             at[axis] = side * n[static_cast<std::size_t>(axis)];
-            at[p] = a + da;
-            at[q] = b + db;
+            at[p] = a + (flipped(a) ? 1 - da : da);
+            at[q] = b + (flipped(b) ? 1 - db : db);
             return id(at[0], at[1], at[2]);
           };
           for (const int v : {node(0, 0), node(1, 0), node(1, 1), node(0, 0), node(1, 1), node(0, 1)})
