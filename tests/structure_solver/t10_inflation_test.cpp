@@ -6,6 +6,9 @@
 // agree within the tolerances.
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
 
 #include <unistd.h>
 
@@ -42,13 +45,26 @@ double vertical_pressure_force(const Model& model, const State& state, double pr
   return pressure * area;
 }
 
+/// The config with another pressure: the paper's in place of the quick case's.
+void write_with_pressure(const fs::path& from, const std::string& old, const std::string& pressure,
+                         const fs::path& to) {
+  std::ostringstream text;
+  text << std::ifstream(from).rdbuf();
+  std::string config = text.str();
+  const std::string quoted = '"' + old + '"';
+  const std::size_t at = config.find(quoted);
+  ASSERT_NE(at, std::string::npos) << from << " holds no " << quoted;
+  config.replace(at, quoted.size(), '"' + pressure + '"');
+  std::ofstream(to) << config;
+}
+
 TEST(T10, InflationFromTheFlatPattern) {
   const fs::path previous = fs::current_path();
   const fs::path folder = fs::temp_directory_path() / ("drogue-t10-inflation-" + std::to_string(getpid()));
   fs::create_directories(folder);
-  for (const char* name : {"parachute.textproto", "inflation.textproto"})
-    fs::copy_file(fs::path(DROGUE_SOURCE_DIR) / "configs/t10/quick" / name, folder / name,
-                  fs::copy_options::overwrite_existing);
+  const fs::path quick = fs::path(DROGUE_SOURCE_DIR) / "configs/t10/quick";
+  fs::copy_file(quick / "parachute.textproto", folder / "parachute.textproto");
+  write_with_pressure(quick / "inflation.textproto", "0.9", "0.5", folder / "inflation.textproto");
   fs::current_path(folder);
   const auto meshed = parachute::write_structure_mesh("parachute.textproto");
   ASSERT_TRUE(meshed) << meshed.error().message;
