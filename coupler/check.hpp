@@ -8,11 +8,9 @@
 
 namespace drogue::coupler {
 
-/// Checks a case offline: its own file, that every program exists, and, with each program's own `check`
-/// command, the config of each of Drogue's solvers. Every error lands in `report`.
-void check_case(const std::filesystem::path& file, config::Report& report);
-
-/// The same for a case that is loaded already.
-void check_participants(const CaseSettings& settings, config::Report& report);
+/// Loads a case and checks it offline: its own file, that every program exists, and, with each program's own
+/// `check` command, the config of each participant that has one. Every error of all of them lands in
+/// `report`; the settings are meaningful only when it stays empty.
+[[nodiscard]] CaseSettings check_case(const std::filesystem::path& file, config::Report& report);
 
 } // namespace drogue::coupler

@@ -18,7 +18,7 @@ int fail(const Error& error) {
 
 int check(const std::string& file) {
   config::Report report;
-  check_case(file, report);
+  (void)check_case(file, report);
   if (!report.ok()) return fail(report.as_error());
   fmt::print("{}: ok\n", file);
   return 0;
@@ -26,8 +26,7 @@ int check(const std::string& file) {
 
 int run(const std::string& file) {
   config::Report report;
-  const CaseSettings settings = load_case(file, report);
-  if (report.ok()) check_participants(settings, report);
+  const CaseSettings settings = check_case(file, report);
   if (!report.ok()) return fail(report.as_error());
   if (const auto outcome = run_case(settings); !outcome) {
     spdlog::error("{}", outcome.error().message);

@@ -47,6 +47,7 @@ ParticipantSettings participant(const v1::ParticipantConfig& p, const std::strin
   s.name = name;
   const auto folder = std::filesystem::absolute(source.file()).parent_path();
   s.command = with_config_dir(p.command(), folder);
+  s.command_position = source.where(name + ".command");
   for (const std::string& a : p.argument()) s.arguments.push_back(with_config_dir(a, folder));
   if (p.has_config()) s.config = std::filesystem::absolute(source.resolve(p.config()));
   s.ranks = p.ranks();
@@ -98,13 +99,13 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   v1::CaseConfig c;
   const config::Source source = config::load(file, c, report);
   CaseSettings s;
-  if (!report.ok()) return s;
+  if (!source.parsed()) return s;
   s.file = std::filesystem::absolute(file);
   s.name = c.name();
   s.run_directory = c.run_directory();
-  s.fluid = participant(c.fluid(), "fluid", source, report);
-  s.structure = participant(c.structure(), "structure", source, report);
-  s.mesh_mover = participant(c.mesh_mover(), "mesh_mover", source, report);
+  if (c.has_fluid()) s.fluid = participant(c.fluid(), "fluid", source, report);
+  if (c.has_structure()) s.structure = participant(c.structure(), "structure", source, report);
+  if (c.has_mesh_mover()) s.mesh_mover = participant(c.mesh_mover(), "mesh_mover", source, report);
   s.time_step = c.time().step();
   s.steps = c.time().steps();
   s.loop = loop(c.loop(), source, report);

@@ -17,8 +17,9 @@ enum class NonConvergence { abort, accept, retry };
 enum class WallVelocity { structure_rate, mesh_rate };
 
 struct ParticipantSettings {
-  std::string name;    ///< "fluid", "structure" or "mesh_mover"
-  std::string command; ///< as written in the case
+  std::string name;             ///< "fluid", "structure" or "mesh_mover"
+  std::string command;          ///< as written in the case
+  std::string command_position; ///< file:line:column of it
   std::vector<std::string> arguments;
   std::filesystem::path config; ///< empty for a participant with arguments of its own
   int ranks = 1;
@@ -64,8 +65,7 @@ struct CaseSettings {
   std::array<double, 3> drag_weights{}; ///< cd = weights . F; zero without a reference
 };
 
-/// Reads and checks a case file. All errors land in `report`; the settings are meaningful only when it stays
-/// empty.
+/// Reads and checks a case file. All errors land in `report`; what could be read is returned in any case.
 [[nodiscard]] CaseSettings load_case(const std::filesystem::path& file, config::Report& report);
 
 } // namespace drogue::coupler

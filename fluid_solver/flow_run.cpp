@@ -8,16 +8,36 @@
 namespace drogue::fluid {
 namespace {
 
-Result<std::unique_ptr<Case>> load(const std::filesystem::path& file, bool participant) {
+void check_participant(const Settings& s, config::Report& report) {
+  if (s.phases.size() > 1)
+    report.error(s.source.where("phase[1]"),
+                 fmt::format("a participant needs exactly one phase, this config has {}", s.phases.size()));
+  for (std::size_t i = 0; i < s.phases.size(); ++i) {
+    const std::string path = fmt::format("phase[{}].", i);
+    if (s.phases[i].formulation != Formulation::dsd_sst)
+      report.error(s.source.where(path + "formulation"), "a participant needs formulation: DSD_SST");
+    if (s.phases[i].mesh_displacement)
+      report.error(s.source.where(path + "mesh_displacement"),
+                   "mesh_displacement is ignored by a participant, whose mesh the mesh mover moves: leave it "
+                   "out");
+  }
+  if (s.interface.empty())
+    report.error(s.source.where("interface"),
+                 "a participant needs interface: the boundaries that the structure moves");
+  if (s.final_state)
+    report.error(s.source.where("final_state"),
+                 "final_state is ignored by a participant, whose states the coupler keeps: leave it out");
+}
+
+} // namespace
+
+Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file, Role role) {
   config::Report report;
   auto input = std::make_unique<Case>();
   input->settings = load_settings(file, report);
   const Settings& s = input->settings;
-  if (participant && (s.phases.size() != 1 || s.phases[0].formulation != Formulation::dsd_sst))
-    report.error(s.source.where("phase"), "a participant needs exactly one phase, of formulation: DSD_SST");
-  if (participant && s.interface.empty())
-    report.error(s.source.where("interface"),
-                 "a participant needs interface: the boundaries that the structure moves");
+  if (!s.source.parsed()) return report.as_error();
+  if (role == Role::participant) check_participant(s, report);
   if (s.mesh.empty() || !std::filesystem::is_regular_file(s.mesh)) return report.as_error();
   auto read = mesh::read_msh(s.mesh);
   if (!read) {
@@ -35,15 +55,6 @@ Result<std::unique_ptr<Case>> load(const std::filesystem::path& file, bool parti
     report.error(s.source.where("probe"), probes.error().message);
   if (!report.ok()) return report.as_error();
   return input;
-}
-
-} // namespace
-
-Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file) {
-  return load(file, false);
-}
-Result<std::unique_ptr<Case>> load_participant_case(const std::filesystem::path& file) {
-  return load(file, true);
 }
 
 Result<void> agree(Result<void> of_rank_0) {

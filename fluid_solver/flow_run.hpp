@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/base/result.hpp"
+#include "common/base/role.hpp"
 #include "fluid_solver/flow_solver.hpp"
 #include "fluid_solver/results.hpp"
 #include "fluid_solver/settings.hpp"
@@ -18,10 +19,9 @@ struct Case {
   FluidMesh mesh;
 };
 
-/// Loads a config and its mesh and checks both completely. Errors hold every finding with file:line:column.
-[[nodiscard]] Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file);
-/// The same, and what only a participant needs: one DSD_SST phase, an interface.
-[[nodiscard]] Result<std::unique_ptr<Case>> load_participant_case(const std::filesystem::path& file);
+/// Loads a config and its mesh and checks both completely. Errors hold every finding with file:line:column. A
+/// participant needs one DSD_SST phase and an interface; the coupler moves its mesh and keeps its states.
+[[nodiscard]] Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file, Role role);
 
 /// A solver on every rank, files on rank 0.
 class FlowRun {

@@ -14,9 +14,9 @@ int main(int argc, char** argv) {
     session.emplace(std::move(*started));
     return {};
   };
-  const auto check = [&](const std::string& file) -> Result<void> {
+  const auto check = [&](const std::string& file, Role role) -> Result<void> {
     DROGUE_TRY(start());
-    return fluid::check(file);
+    return fluid::check(file, role);
   };
   const auto run = [&](const std::string& file, const std::string& endpoint) -> Result<void> {
     DROGUE_TRY(start());

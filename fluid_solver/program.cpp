@@ -6,15 +6,15 @@
 
 namespace drogue::fluid {
 
-Result<void> check(const std::filesystem::path& file) {
-  const auto input = load_case(file);
+Result<void> check(const std::filesystem::path& file, Role role) {
+  const auto input = load_case(file, role);
   if (!input) return input.error();
   fmt::print("{}: ok\n", file.string());
   return {};
 }
 
 Result<void> run(const std::filesystem::path& file, const std::string& endpoint) {
-  const auto input = endpoint.empty() ? load_case(file) : load_participant_case(file);
+  const auto input = load_case(file, endpoint.empty() ? Role::alone : Role::participant);
   if (!input) return input.error();
   return endpoint.empty() ? run_standalone(**input) : serve_flow(**input, endpoint);
 }

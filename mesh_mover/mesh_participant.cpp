@@ -42,9 +42,6 @@ participant::Description MeshParticipant::describe() {
 }
 
 Result<void> MeshParticipant::configure(const participant::RunInfo& run) {
-  const auto has_interface = [](const Boundary& boundary) { return boundary.is_interface; };
-  if (std::none_of(settings_.boundaries.begin(), settings_.boundaries.end(), has_interface))
-    return config_error("the config of mesh_mover names no interface; a coupled run needs one");
   settings_.output.directory = run.directory;
   time_n_ = run.start_time;
   return {};

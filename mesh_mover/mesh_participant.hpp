@@ -16,6 +16,7 @@ namespace drogue::mesh_mover {
 ///         "quality"           {1, 3}  smallest volume ratio, worst mean ratio, mean of the mean ratios
 class MeshParticipant : public participant::Solver {
  public:
+  /// @param input loaded for Role::participant
   explicit MeshParticipant(Case input);
 
   [[nodiscard]] participant::Description describe() override;

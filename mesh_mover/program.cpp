@@ -11,8 +11,8 @@
 namespace drogue::mesh_mover {
 namespace {
 
-Result<Case> load_whole_case(const std::filesystem::path& file) {
-  auto input = load_case(file);
+Result<Case> load_whole_case(const std::filesystem::path& file, Role role) {
+  auto input = load_case(file, role);
   if (!input) return input;
   // What only the mesh and the boundaries together can tell.
   if (auto motion = BoundaryMotion::create(input->mesh, input->settings.boundaries); !motion)
@@ -31,8 +31,8 @@ Result<void> check_alone() {
 
 } // namespace
 
-Result<void> check(const std::filesystem::path& file) {
-  const auto input = load_whole_case(file);
+Result<void> check(const std::filesystem::path& file, Role role) {
+  const auto input = load_whole_case(file, role);
   if (!input) return input.error();
   fmt::print("{}: ok\n", file.string());
   return {};
@@ -41,7 +41,7 @@ Result<void> check(const std::filesystem::path& file) {
 Result<void> run(const std::filesystem::path& file, const std::string& endpoint) {
   DROGUE_TRY(check_alone());
   la::use_one_blas_thread();
-  auto input = load_whole_case(file);
+  auto input = load_whole_case(file, endpoint.empty() ? Role::alone : Role::participant);
   if (!input) return input.error();
   if (endpoint.empty()) return run_standalone(std::move(*input));
   MeshParticipant solver(std::move(*input));

@@ -158,13 +158,17 @@ Settings settings_from(const v1::MeshMoverConfig& config) {
 
 } // namespace
 
-Result<Case> load_case(const std::filesystem::path& file) {
+Result<Case> load_case(const std::filesystem::path& file, Role role) {
   v1::MeshMoverConfig config;
   config::Report report;
   const config::Source source = config::load(file, config, report);
+  if (!source.parsed()) return report.as_error();
   Checker check(config, source, report);
   check.boundaries();
   check.interface();
+  if (role == Role::participant && config.interface_size() == 0)
+    report.error(source.where("interface"),
+                 "a participant needs interface: the boundaries that follow the structure");
   const std::filesystem::path mesh_file = source.resolve(config.mesh());
   if (!config.has_mesh() || !std::filesystem::is_regular_file(mesh_file)) {
     if (report.ok()) report.error(source.where("mesh"), fmt::format("{} is not a file", mesh_file.string()));

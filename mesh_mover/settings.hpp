@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/result.hpp"
+#include "common/base/role.hpp"
 #include "common/config/expression.hpp"
 #include "common/mesh/mesh.hpp"
 
@@ -53,7 +54,7 @@ struct Case {
 };
 
 /// Reads and validates a config and its mesh. Errors (ErrorKind::config): all of them at once, as
-/// "FILE:LINE:COLUMN: error: TEXT".
-[[nodiscard]] Result<Case> load_case(const std::filesystem::path& file);
+/// "FILE:LINE:COLUMN: error: TEXT". A participant needs an interface.
+[[nodiscard]] Result<Case> load_case(const std::filesystem::path& file, Role role = Role::alone);
 
 } // namespace drogue::mesh_mover

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/base/result.hpp"
+#include "common/base/role.hpp"
 #include "structure_solver/integrator.hpp"
 #include "structure_solver/model.hpp"
 #include "structure_solver/settings.hpp"
@@ -22,11 +23,12 @@ struct Case {
   }
 };
 
-/// Reads config, mesh and initial state. Errors (ErrorKind::config): everything wrong with them, at once.
-/// With initial_at_rest the state keeps its displacement, and time starts at 0.
-[[nodiscard]] Result<Case> load_case(const std::filesystem::path& file);
+/// Reads config, mesh and initial state. Errors (ErrorKind::config): everything wrong with them, at once. A
+/// participant needs an interface and dynamics, and writes no final state. With initial_at_rest the state
+/// keeps its displacement, and time starts at 0.
+[[nodiscard]] Result<Case> load_case(const std::filesystem::path& file, Role role = Role::alone);
 
 /// `check FILE`: load_case without keeping anything.
-[[nodiscard]] Result<void> check_case(const std::filesystem::path& file);
+[[nodiscard]] Result<void> check_case(const std::filesystem::path& file, Role role = Role::alone);
 
 } // namespace drogue::structure

@@ -53,10 +53,6 @@ participant::Description Coupled::describe() {
 }
 
 Result<void> Coupled::configure(const participant::RunInfo& run) {
-  if (case_.settings.interface.empty())
-    return config_error(
-        "{}: error: a coupled run needs \"interface\": the membrane group that meets the fluid",
-        case_.settings.source.where("interface"));
   integrator_.set_time(run.start_time);
   if (case_.settings.time.balanced_start) integrator_.balance_start();
   results_.emplace(case_.settings, *case_.model, run.directory);

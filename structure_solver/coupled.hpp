@@ -21,6 +21,7 @@ namespace drogue::structure {
 /// Pressures, gravity and the other loads of the config act as well.
 class Coupled : public participant::Solver {
  public:
+  /// @param c loaded for Role::participant
   explicit Coupled(Case c);
 
   [[nodiscard]] participant::Description describe() override;

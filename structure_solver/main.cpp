@@ -9,7 +9,7 @@ using namespace drogue;
 
 Result<void> run(const std::string& file, const std::string& endpoint) {
   if (endpoint.empty()) return structure::run_file(file);
-  auto c = structure::load_case(file);
+  auto c = structure::load_case(file, Role::participant);
   if (!c) return c.error();
   structure::Coupled solver(std::move(*c));
   return participant::serve(solver, participant::serve_options_from_environment(endpoint));
@@ -18,11 +18,11 @@ Result<void> run(const std::string& file, const std::string& endpoint) {
 } // namespace
 
 int main(int argc, char** argv) {
-  return run_solver_program({.name = "structure_solver",
-                             .description =
-                                 "Membranes, cables and masses: large displacements, statics and dynamics, "
-                                 "alone or coupled",
-                             .check = structure::check_case,
-                             .run = run},
-                            argc, argv);
+  return run_solver_program(
+      {.name = "structure_solver",
+       .description = "Membranes, cables and masses: large displacements, statics and dynamics, "
+                      "alone or coupled",
+       .check = [](const std::string& file, Role role) { return structure::check_case(file, role); },
+       .run = run},
+      argc, argv);
 }

@@ -184,7 +184,10 @@ Source load(const std::filesystem::path& file, Message& message, Report& report)
   const bool parsed = parser.ParseFromString(text.str(), &message);
   record_positions(message, tree, "", source);
   if (!parsed && report.lines().size() == errors_before) report.error(file.string(), "cannot be parsed");
-  if (parsed) check_rules(message, source, report);
+  if (parsed) {
+    source.set_parsed();
+    check_rules(message, source, report);
+  }
   return source;
 }
 

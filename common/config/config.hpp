@@ -42,6 +42,9 @@ class Source {
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
+  /// False when the text stops making sense somewhere: what stands behind is unknown, and not worth checking.
+  [[nodiscard]] bool parsed() const { return parsed_; }
+  void set_parsed() { parsed_ = true; }
   void set(std::string path, int line, int column) { positions_[std::move(path)] = {line, column}; }
 
  private:
@@ -51,6 +54,7 @@ class Source {
   };
   std::filesystem::path file_;
   std::map<std::string, Position, std::less<>> positions_;
+  bool parsed_ = false;
 };
 
 /// Parses a text-format config into `message` and checks every rule of its schema

@@ -2,6 +2,7 @@
 #include "common/program/solver_program.hpp"
 
 #include <cstdio>
+#include <cstdlib>
 
 #include <CLI/CLI.hpp>
 
@@ -19,13 +20,18 @@ int run_solver_program(const SolverProgram& program, int argc, char** argv) {
   CLI::App* check =
       app.add_subcommand("check", "validates a config and its mesh; reports every error at once");
   check->add_option("FILE", file, "config (*.textproto)")->required();
+  bool participant = std::getenv("DROGUE_PARTICIPANT") != nullptr;
+  check->add_flag("--participant", participant,
+                  "for a coupled run; also when DROGUE_PARTICIPANT is set in the environment");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorKind::config);
   }
   start_log(program.name);
-  const Result<void> done = check->parsed() ? program.check(file) : program.run(file, endpoint);
+  const Result<void> done = check->parsed()
+                                ? program.check(file, participant ? Role::participant : Role::alone)
+                                : program.run(file, endpoint);
   if (done) return 0;
   if (program.speaks()) fmt::print(stderr, "{}\n", done.error().message);
   return exit_status(done.error());

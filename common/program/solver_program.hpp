@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/base/result.hpp"
+#include "common/base/role.hpp"
 
 namespace drogue {
 
@@ -13,8 +14,9 @@ namespace drogue {
 struct SolverProgram {
   std::string name;
   std::string description;
-  /// `NAME check FILE`: validates a config.
-  std::function<Result<void>(const std::string& file)> check;
+  /// `NAME check FILE`: validates a config; for a coupled run with `--participant`, or when the environment
+  /// holds DROGUE_PARTICIPANT, as the coupler's checks do.
+  std::function<Result<void>(const std::string& file, Role role)> check;
   /// `NAME run FILE`: alone when `endpoint` is empty; `NAME run FILE --connect ENDPOINT`: as a participant.
   std::function<Result<void>(const std::string& file, const std::string& endpoint)> run;
   /// Whether this process prints errors: one rank of an MPI job does.

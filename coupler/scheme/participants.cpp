@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <random>
 
 #include <spdlog/spdlog.h>
 
+#include "coupler/participant_command.hpp"
 #include "coupler/scheme/contract.hpp"
 
 namespace drogue::coupler {
@@ -36,45 +36,19 @@ std::string new_run_id() {
   return fmt::format("{:08x}{:08x}", source(), source());
 }
 
-/// Defaults that the case may override: one BLAS thread a process, MPI that starts as any user and waits
-/// passively.
-std::vector<std::string> environment(const ParticipantSettings& p, const DeadlineSettings& deadlines,
-                                     const std::string& run_id) {
+/// What only a run gives: its identity, and the longest time the others may keep a participant waiting,
+/// twice.
+std::vector<std::string> run_environment(const ParticipantSettings& p, const DeadlineSettings& deadlines,
+                                         const std::string& run_id) {
   std::vector<std::string> e{
-      "DROGUE_RUN_ID=" + run_id, "DROGUE_PARTICIPANT=" + p.name,
-      // the longest time the others may keep it waiting, twice
+      "DROGUE_RUN_ID=" + run_id,
       fmt::format("DROGUE_PEER_DEADLINE={:.0f}",
                   2 * (deadlines.connect + deadlines.initialize + 3 * deadlines.iterate + deadlines.other))};
-  const auto given = [&](const std::string& name) {
-    return std::getenv(name.c_str()) ||
-           std::any_of(p.environment.begin(), p.environment.end(),
-                       [&](const auto& own) { return own.rfind(name + "=", 0) == 0; });
-  };
-  for (const char* preset : {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMPI_ALLOW_RUN_AS_ROOT=1",
-                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "OMPI_MCA_mpi_yield_when_idle=1"}) {
-    const std::string entry(preset);
-    if (!given(entry.substr(0, entry.find('=')))) e.push_back(entry);
-  }
   // A plain process that calls MPI_Init would start a daemon of its own otherwise.
   if (p.ranks == 1) e.push_back("OMPI_MCA_ess_singleton_isolated=1");
-  e.insert(e.end(), p.environment.begin(), p.environment.end());
+  const std::vector<std::string> always = participant_environment(p);
+  e.insert(e.end(), always.begin(), always.end());
   return e;
-}
-
-Result<std::vector<std::string>> arguments(const ParticipantSettings& p, const std::string& endpoint) {
-  const auto program = launcher::find_program(p.command);
-  if (!program) return Error{ErrorKind::config, fmt::format("{}: {}", p.name, program.error().message)};
-  std::vector<std::string> a;
-  if (p.ranks > 1) {
-    const auto mpiexec = launcher::find_program("mpiexec");
-    if (!mpiexec) return mpiexec.error();
-    a = {mpiexec->string(), "-n", std::to_string(p.ranks), "--oversubscribe", "--bind-to", "none"};
-  }
-  a.push_back(program->string());
-  if (!p.config.empty()) a.insert(a.end(), {"run", p.config.string()});
-  a.insert(a.end(), p.arguments.begin(), p.arguments.end());
-  a.insert(a.end(), {"--connect", endpoint});
-  return a;
 }
 
 Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Message& answer) {
@@ -145,10 +119,10 @@ Result<std::unique_ptr<Participants>> Participants::launch(const CaseSettings& s
 Result<void> Participants::start(const ParticipantSettings& p, const std::filesystem::path& run_directory,
                                  Peer*& peer) {
   launcher::Command command;
-  auto a = arguments(p, hub_->endpoint());
+  auto a = run_command(p, hub_->endpoint());
   if (!a) return a.error();
   command.arguments = std::move(*a);
-  command.environment = environment(p, settings_.deadlines, hub_->run_id());
+  command.environment = run_environment(p, settings_.deadlines, hub_->run_id());
   command.directory = run_directory / p.name;
   command.log_file = run_directory / (p.name + ".log");
   std::error_code failure;

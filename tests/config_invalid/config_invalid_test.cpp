@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every file of tests/config_invalid is refused by its program's `check`, with the message and position that
 // the file itself announces:
-//   # check: structure_solver
+//   # check: structure_solver            (or "# check: structure_solver --participant")
 //   # expect: 7:3: error: part of the message      (one line for each expected error; no others may come)
 #include <algorithm>
 
@@ -49,17 +49,19 @@ TEST_P(InvalidConfig, IsRefusedAsAnnounced) {
   const fs::path file = GetParam();
   const auto program = tagged_lines(file, "check"), expected = tagged_lines(file, "expect");
   ASSERT_EQ(program.size(), 1u) << "no '# check: PROGRAM' line";
+  std::istringstream words(program[0]);
+  std::string name;
+  words >> name;
+  std::vector<std::string> command{fmt::format("{}/{}", DROGUE_BIN_DIR, name), "check", file.filename()};
+  for (std::string option; words >> option;) command.push_back(option);
   ASSERT_FALSE(expected.empty()) << "no '# expect: ...' line";
   const auto folder = fresh_folder(file.stem().string());
   write_meshes(folder);
   for (const fs::path& each : invalid_files())
     fs::copy_file(each, folder / each.filename()); // a case may name others
 
-  auto process =
-      launcher::Process::start({{fmt::format("{}/{}", DROGUE_BIN_DIR, program[0]), "check", file.filename()},
-                                {"OMPI_MCA_ess_singleton_isolated=1"},
-                                folder,
-                                folder / "output.txt"});
+  auto process = launcher::Process::start(
+      {command, {"OMPI_MCA_ess_singleton_isolated=1"}, folder, folder / "output.txt"});
   ASSERT_TRUE(process.ok());
   const auto& exit = process->wait(std::chrono::seconds(30));
   ASSERT_TRUE(exit.has_value());

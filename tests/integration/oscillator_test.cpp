@@ -106,5 +106,28 @@ TEST(Oscillator, AnInconsistentPairOfRateAndLoadIsRefused) {
   EXPECT_NE(read_text(folder / "output.txt").find("MESH_RATE"), std::string::npos);
 }
 
+/// A solver that knows `check FILE` and nothing else of us: no option, no DROGUE_PARTICIPANT.
+TEST(Check, RunsAForeignSolversCheckAsTheLaunchWould) {
+  const auto folder = fresh_folder("foreign");
+  const auto solver = folder / "solver.sh";
+  std::ofstream(solver)
+      << "#!/bin/sh\n"
+         "[ $# -eq 2 ] && [ \"$1\" = check ] || exit 2\n"
+         "[ -z \"$(ls -A)\" ] || { echo \"$(pwd) is not empty\"; exit 2; }\n"
+         "echo \"$DROGUE_PARTICIPANT $COLOUR $OMP_NUM_THREADS\" >> \"$(dirname $2)/seen\"\n";
+  std::filesystem::permissions(solver, std::filesystem::perms::owner_all);
+  std::ofstream(folder / "settings") << "red = 3\n";
+  const auto file = folder / "case.textproto";
+  std::ofstream stream(file);
+  stream << "name: 'foreign' run_directory: 'run' time { step: 1 steps: 1 }\n";
+  for (const char* role : {"structure", "mesh_mover", "fluid"})
+    stream << role << " { command: '${config_dir}/solver.sh' config: 'settings' environment: 'COLOUR=" << role
+           << "' environment: 'OMP_NUM_THREADS=3' }\n";
+  stream.close();
+  EXPECT_EQ(run_coupler(file, "check"), 0) << read_text(folder / "output.txt");
+  EXPECT_EQ(read_text(folder / "seen"), "fluid fluid 3\nstructure structure 3\nmesh_mover mesh_mover 3\n");
+  EXPECT_FALSE(std::filesystem::exists(folder / "run"));
+}
+
 } // namespace
 } // namespace drogue::test

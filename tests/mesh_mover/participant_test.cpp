@@ -48,9 +48,9 @@ class MeshMoverRun : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  Result<Case> load(const std::string& text) {
+  Result<Case> load(const std::string& text, Role role = Role::alone) {
     std::ofstream(folder_ / "mesh.textproto") << text;
-    return load_case(folder_ / "mesh.textproto");
+    return load_case(folder_ / "mesh.textproto", role);
   }
   Case valid_case() {
     auto input = load(config_text);
@@ -59,9 +59,10 @@ class MeshMoverRun : public testing::Test {
     return std::move(*input);
   }
   /// The message of a config in which `from` is replaced by `to`.
-  std::string error_of(std::string text, const std::string& from, const std::string& to) {
+  std::string error_of(std::string text, const std::string& from, const std::string& to,
+                       Role role = Role::alone) {
     text.replace(text.find(from), from.size(), to);
-    const auto input = load(text);
+    const auto input = load(text, role);
     EXPECT_FALSE(input.ok());
     return input.ok() ? "" : input.error().message;
   }
@@ -191,12 +192,9 @@ TEST_F(MeshMoverRun, RefusesTheStateOfAnotherMesh) {
 }
 
 TEST_F(MeshMoverRun, NeedsAnInterfaceWhenCoupled) {
-  Case input = valid_case();
-  for (auto& boundary : input.settings.boundaries) boundary.is_interface = false;
-  MeshParticipant solver(std::move(input));
-  const auto refused = solver.configure({folder_, 0, 0.1});
-  ASSERT_FALSE(refused.ok());
-  EXPECT_EQ(refused.error().kind, ErrorKind::config);
+  EXPECT_NE(error_of(config_text, "interface: \"body\"", "", Role::participant)
+                .find("a participant needs interface"),
+            std::string::npos);
 }
 
 TEST_F(MeshMoverRun, RunsAloneAndWritesResults) {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "coupler/participant_command.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "coupler/launcher/process.hpp"
+
+namespace drogue::coupler {
+
+std::vector<std::string> participant_environment(const ParticipantSettings& p) {
+  std::vector<std::string> e{"DROGUE_PARTICIPANT=" + p.name};
+  const auto given = [&](const std::string& name) {
+    return std::getenv(name.c_str()) ||
+           std::any_of(p.environment.begin(), p.environment.end(),
+                       [&](const auto& own) { return own.rfind(name + "=", 0) == 0; });
+  };
+  for (const char* preset : {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMPI_ALLOW_RUN_AS_ROOT=1",
+                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "OMPI_MCA_mpi_yield_when_idle=1"}) {
+    const std::string entry(preset);
+    if (!given(entry.substr(0, entry.find('=')))) e.push_back(entry);
+  }
+  e.insert(e.end(), p.environment.begin(), p.environment.end());
+  return e;
+}
+
+Result<std::vector<std::string>> run_command(const ParticipantSettings& p, const std::string& endpoint) {
+  const auto program = launcher::find_program(p.command);
+  if (!program) return Error{ErrorKind::config, fmt::format("{}: {}", p.name, program.error().message)};
+  std::vector<std::string> a;
+  if (p.ranks > 1) {
+    const auto mpiexec = launcher::find_program("mpiexec");
+    if (!mpiexec) return mpiexec.error();
+    a = {mpiexec->string(), "-n", std::to_string(p.ranks), "--oversubscribe", "--bind-to", "none"};
+  }
+  a.push_back(program->string());
+  if (!p.config.empty()) a.insert(a.end(), {"run", p.config.string()});
+  a.insert(a.end(), p.arguments.begin(), p.arguments.end());
+  a.insert(a.end(), {"--connect", endpoint});
+  return a;
+}
+
+} // namespace drogue::coupler
