@@ -38,8 +38,8 @@ std::vector<std::int32_t> slots(const BlockMatrix& matrix, const std::vector<std
   std::vector<std::int32_t> result;
   const auto n = static_cast<std::size_t>(per_element);
   for (std::size_t e = 0; e < nodes.size() / n; ++e)
-    for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = 0; b < n; ++b) result.push_back(matrix.slot(nodes[e * n + a], nodes[e * n + b]));
+    for (std::size_t b = 0; b < n; ++b)
+      for (std::size_t a = 0; a < n; ++a) result.push_back(matrix.slot(nodes[e * n + a], nodes[e * n + b]));
   return result;
 }
 
@@ -52,22 +52,6 @@ typename Response<Nodes>::Positions current_positions(const std::vector<double>&
     for (std::size_t c = 0; c < 3; ++c) x(static_cast<int>(c), a) = X[i + c] + u[i + c];
   }
   return x;
-}
-
-/// Adds one element's share. `slot` points to its Nodes x Nodes slots.
-template <int Nodes>
-void scatter(const Response<Nodes>& r, const std::int32_t* nodes, std::span<double> residual) noexcept {
-  for (int a = 0; a < Nodes; ++a)
-    for (int c = 0; c < 3; ++c)
-      residual[3 * static_cast<std::size_t>(nodes[a]) + static_cast<std::size_t>(c)] += r.force(c, a);
-}
-
-template <int Nodes>
-void scatter(const Response<Nodes>& r, const std::int32_t* nodes, const std::int32_t* slot, double scale,
-             BlockMatrix& tangent) noexcept {
-  for (int a = 0; a < Nodes; ++a)
-    for (int b = 0; b < Nodes; ++b)
-      tangent.add(nodes[b], slot[a * Nodes + b], scale * r.tangent.template block<3, 3>(3 * a, 3 * b));
 }
 
 } // namespace
@@ -104,11 +88,15 @@ LoadValues evaluate_loads(const Model& model, double time) {
   return values;
 }
 
-Assembler::Assembler(const Model& model)
-    : model_(model), tangent_(model.mesh.node_count(), coupled_nodes(model)) {
+Assembler::Assembler(const Model& model, int threads)
+    : model_(model),
+      tangent_(model.mesh.node_count(), coupled_nodes(model), model.held),
+      pool_(threads > 0 ? threads : default_threads()),
+      split_(split_work(model, pool_.size())) {
   for (const AnyBatch& any : model.batches)
     std::visit(
         [&](const auto& batch) {
+          energy_.emplace_back(batch.count(), 0.0);
           batch_slots_.push_back(
               slots(tangent_, batch.nodes, std::decay_t<decltype(batch)>::KernelType::nodes));
         },
@@ -123,60 +111,96 @@ Assembler::Assembler(const Model& model)
 }
 
 double Assembler::assemble(const Request& request, std::span<double> residual) {
-  if (request.tangent) tangent_.set_zero();
-  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = -request.loads.force[i];
-  const double energy = add_elements(request, residual);
-  add_pressure(request, residual);
+  pool_.run([&](int worker) {
+    for (const std::int32_t node : split_.nodes[static_cast<std::size_t>(worker)]) {
+      if (request.tangent) tangent_.set_zero(node);
+      const std::size_t i = 3 * static_cast<std::size_t>(node);
+      for (std::size_t c = 0; c < 3; ++c) residual[i + c] = -request.loads.force[i + c];
+    }
+    add_elements(worker, request, residual);
+    add_pressure(worker, request, residual);
+  });
+  double energy = 0;
+  for (const std::vector<double>& batch : energy_)
+    for (const double of_element : batch) energy += of_element;
   return energy;
 }
 
 void Assembler::external_force(std::span<const double> displacement, const LoadValues& loads,
                                std::span<double> force) {
   std::fill(force.begin(), force.end(), 0.0);
-  add_pressure({.displacement = displacement, .loads = loads}, force);
+  const Request request{.displacement = displacement, .loads = loads};
+  pool_.run([&](int worker) { add_pressure(worker, request, force); });
   for (std::size_t i = 0; i < force.size(); ++i) force[i] = loads.force[i] - force[i];
 }
 
-double Assembler::add_elements(const Request& request, std::span<double> residual) {
-  double energy = 0;
-  const auto add = [&](const auto& batch, const std::vector<std::int32_t>& slot) {
+template <int Nodes>
+void Assembler::scatter(int worker, const Response<Nodes>& response, const std::int32_t* nodes,
+                        std::span<double> residual) const noexcept {
+  for (int a = 0; a < Nodes; ++a) {
+    const auto node = static_cast<std::size_t>(nodes[a]);
+    if (split_.owner[node] != worker) continue;
+    for (int c = 0; c < 3; ++c) residual[3 * node + static_cast<std::size_t>(c)] += response.force(c, a);
+  }
+}
+
+template <int Nodes>
+void Assembler::scatter_tangent(int worker, const Response<Nodes>& response, const std::int32_t* nodes,
+                                const std::int32_t* slot, double scale) noexcept {
+  for (int b = 0; b < Nodes; ++b, slot += Nodes) {
+    if (split_.owner[static_cast<std::size_t>(nodes[b])] != worker) continue;
+    const BlockMatrix::BlockColumn column = tangent_.column(nodes[b]);
+    for (int c = 0; c < 3; ++c) {
+      double* value = column.value + c * column.height;
+      const double* k = &response.tangent(0, 3 * b + c);
+      for (int a = 0; a < Nodes; ++a)
+        for (int r = 0; r < 3; ++r) value[3 * slot[a] + r] += scale * k[3 * a + r];
+    }
+  }
+}
+
+void Assembler::add_elements(int worker, const Request& request, std::span<double> residual) {
+  const auto add = [&](const auto& batch, std::size_t k) {
     using Kernel = typename std::decay_t<decltype(batch)>::KernelType;
     constexpr int n = Kernel::nodes;
     Response<n> response;
-    for (std::size_t e = 0; e < batch.count(); ++e) {
+    for (const std::int32_t element : split_.elements[static_cast<std::size_t>(worker)][k]) {
+      const auto e = static_cast<std::size_t>(element);
       const std::int32_t* nodes = batch.element(e);
       const auto x = current_positions<n>(model_.mesh.points, request.displacement, nodes);
       Kernel::evaluate(batch.reference[e], batch.material, x, request.tangent, response);
-      energy += response.energy;
-      scatter(response, nodes, residual);
-      if (request.tangent) scatter(response, nodes, &slot[e * n * n], request.tangent_scale, tangent_);
+      if (split_.owner[static_cast<std::size_t>(nodes[0])] == worker) energy_[k][e] = response.energy;
+      scatter(worker, response, nodes, residual);
+      if (request.tangent)
+        scatter_tangent(worker, response, nodes, &batch_slots_[k][e * n * n], request.tangent_scale);
     }
   };
   for (std::size_t k = 0; k < model_.batches.size(); ++k)
-    std::visit([&](const auto& batch) { add(batch, batch_slots_[k]); }, model_.batches[k]);
-  return energy;
+    std::visit([&](const auto& batch) { add(batch, k); }, model_.batches[k]);
 }
 
-void Assembler::add_pressure(const Request& request, std::span<double> residual) {
+void Assembler::add_pressure(int worker, const Request& request, std::span<double> residual) {
   const bool stiffness = request.tangent && request.load_stiffness;
-  const auto add = [&](const auto& batch, const std::vector<std::int32_t>& slot) {
+  const auto add = [&](const auto& batch, std::size_t k) {
     constexpr mesh::ElementKind kind = std::decay_t<decltype(batch)>::kind;
     constexpr int n = SurfaceTraits<kind>::nodes;
     const SurfaceRule<kind>& rule = surface_rule<kind>();
     const std::vector<double>& pressure = request.loads.pressure[batch.load];
     Response<n> response;
     typename FollowerPressure<kind>::NodalPressure p;
-    for (std::size_t e = 0; e < batch.count(); ++e) {
+    for (const std::int32_t element : split_.pressure_elements[static_cast<std::size_t>(worker)][k]) {
+      const auto e = static_cast<std::size_t>(element);
       const std::int32_t* nodes = &batch.nodes[e * n];
       for (int a = 0; a < n; ++a) p(a) = pressure[static_cast<std::size_t>(nodes[a])];
       const auto x = current_positions<n>(model_.mesh.points, request.displacement, nodes);
       FollowerPressure<kind>::evaluate(rule, p, x, stiffness, response);
-      scatter(response, nodes, residual);
-      if (stiffness) scatter(response, nodes, &slot[e * n * n], request.tangent_scale, tangent_);
+      scatter(worker, response, nodes, residual);
+      if (stiffness)
+        scatter_tangent(worker, response, nodes, &pressure_slots_[k][e * n * n], request.tangent_scale);
     }
   };
   for (std::size_t k = 0; k < model_.pressure_batches.size(); ++k)
-    std::visit([&](const auto& batch) { add(batch, pressure_slots_[k]); }, model_.pressure_batches[k]);
+    std::visit([&](const auto& batch) { add(batch, k); }, model_.pressure_batches[k]);
 }
 
 } // namespace drogue::structure

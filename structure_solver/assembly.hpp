@@ -7,6 +7,8 @@
 
 #include "structure_solver/block_matrix.hpp"
 #include "structure_solver/model.hpp"
+#include "structure_solver/work_split.hpp"
+#include "structure_solver/worker_pool.hpp"
 
 namespace drogue::structure {
 
@@ -23,10 +25,12 @@ struct LoadValues {
 
 [[nodiscard]] LoadValues evaluate_loads(const Model& model, double time);
 
-/// Sums the kernels into the residual and the tangent.
+/// Sums the kernels into the residual and the tangent, with several threads. The result does not depend on
+/// their number (see WorkSplit).
 class Assembler {
  public:
-  explicit Assembler(const Model& model);
+  /// @param threads 0: default_threads(). @pre `model` outlives the assembler
+  explicit Assembler(const Model& model, int threads = 0);
 
   struct Request {
     /// {3 nodes}: the displacement at which everything is evaluated [length].
@@ -47,18 +51,30 @@ class Assembler {
   /// Adds `value` to the diagonal of a node, after assemble().
   void add_to_diagonal(std::int32_t node, double value) noexcept { tangent_.add_diagonal(node, value); }
   /// Puts identity rows and columns where equations are held.
-  void eliminate_held() noexcept { tangent_.eliminate(model_.held); }
+  void eliminate_held() noexcept { tangent_.eliminate_marked(); }
   [[nodiscard]] const la::SparseMatrix& tangent() const { return tangent_.matrix(); }
 
  private:
-  double add_elements(const Request& request, std::span<double> residual);
-  void add_pressure(const Request& request, std::span<double> residual);
+  /// One worker's share of the elements, of the follower pressures.
+  void add_elements(int worker, const Request& request, std::span<double> residual);
+  void add_pressure(int worker, const Request& request, std::span<double> residual);
+  /// Adds an element's response to the worker's own equations. `slot` points to the element's slots.
+  template <int Nodes>
+  void scatter(int worker, const Response<Nodes>& response, const std::int32_t* nodes,
+               std::span<double> residual) const noexcept;
+  template <int Nodes>
+  void scatter_tangent(int worker, const Response<Nodes>& response, const std::int32_t* nodes,
+                       const std::int32_t* slot, double scale) noexcept;
 
   const Model& model_;
   BlockMatrix tangent_;
-  /// Slots of each element's blocks, {count, nodes, nodes}, for every batch and pressure batch.
+  WorkerPool pool_;
+  WorkSplit split_;
+  /// Slots of each element's blocks, {count, column node, row node}, for every batch and pressure batch.
   std::vector<std::vector<std::int32_t>> batch_slots_;
   std::vector<std::vector<std::int32_t>> pressure_slots_;
+  /// Of every element of every batch: summed in one order.
+  std::vector<std::vector<double>> energy_;
 };
 
 } // namespace drogue::structure

@@ -7,7 +7,8 @@
 namespace drogue::structure {
 
 BlockMatrix::BlockMatrix(std::int32_t node_count,
-                         std::span<const std::pair<std::int32_t, std::int32_t>> pairs) {
+                         std::span<const std::pair<std::int32_t, std::int32_t>> pairs,
+                         std::span<const std::uint8_t> marked) {
   const auto n = static_cast<std::size_t>(node_count);
   std::vector<std::vector<std::int32_t>> neighbours(n);
   for (std::size_t i = 0; i < n; ++i) neighbours[i].push_back(static_cast<std::int32_t>(i));
@@ -37,7 +38,13 @@ BlockMatrix::BlockMatrix(std::int32_t node_count,
     }
   outer[3 * n] = entry;
   for (std::int32_t i = 0; i < node_count; ++i) diagonal_.push_back(slot(i, i));
-  set_zero();
+  std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
+  for (std::size_t j = 0; j < marked.size(); ++j)
+    for (int k = outer[j]; k < outer[j + 1]; ++k) {
+      const auto i = static_cast<std::size_t>(inner[k]);
+      if (!marked[i] && !marked[j]) continue;
+      (i == j ? marked_ones_ : eliminated_).push_back(k);
+    }
 }
 
 std::int32_t BlockMatrix::slot(std::int32_t row, std::int32_t column) const {
@@ -48,23 +55,10 @@ std::int32_t BlockMatrix::slot(std::int32_t row, std::int32_t column) const {
   return static_cast<std::int32_t>(found - begin);
 }
 
-void BlockMatrix::set_zero() {
-  std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
-}
-
-void BlockMatrix::add_diagonal(std::int32_t node, double value) noexcept {
-  add(node, diagonal_[static_cast<std::size_t>(node)], value * Eigen::Matrix3d::Identity());
-}
-
-void BlockMatrix::eliminate(std::span<const std::uint8_t> marked) noexcept {
-  const int* outer = matrix_.outerIndexPtr();
-  const int* inner = matrix_.innerIndexPtr();
+void BlockMatrix::eliminate_marked() noexcept {
   double* value = matrix_.valuePtr();
-  for (std::size_t j = 0; j < marked.size(); ++j)
-    for (int k = outer[j]; k < outer[j + 1]; ++k) {
-      const auto i = static_cast<std::size_t>(inner[k]);
-      if (marked[i] || marked[j]) value[k] = i == j ? 1.0 : 0.0;
-    }
+  for (const std::int32_t k : eliminated_) value[k] = 0;
+  for (const std::int32_t k : marked_ones_) value[k] = 1;
 }
 
 } // namespace drogue::structure

@@ -19,7 +19,7 @@ struct Case {
   State start;
 
   [[nodiscard]] Integrator::Options integrator_options() const {
-    return {settings.time.rho_infinity, settings.time.mass_damping, settings.newton};
+    return {settings.time.rho_infinity, settings.time.mass_damping, settings.newton, settings.threads};
   }
 };
 

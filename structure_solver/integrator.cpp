@@ -37,7 +37,7 @@ Integrator::Integrator(const Model& model, const Options& options, State start)
     : model_(model),
       options_(options),
       alpha_(GeneralisedAlpha::from_rho(options.rho_infinity)),
-      assembler_(model) {
+      assembler_(model, options.threads) {
   const std::size_t n = model.equation_count();
   u_m_.resize(n);
   residual_.resize(n);

@@ -69,6 +69,7 @@ class Integrator {
     double rho_infinity = 0.5;
     double mass_damping = 0; ///< c [1/time]
     NewtonSettings newton;
+    int threads = 0; ///< of the assembly; 0: default_threads()
   };
   /// @pre `model` outlives the integrator
   Integrator(const Model& model, const Options& options, State start);

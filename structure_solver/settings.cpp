@@ -99,6 +99,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.newton = {m.newton().displacement_tolerance(), m.newton().residual_tolerance(),
               m.newton().max_iterations(), m.newton().iterations_per_coupling(), m.newton().load_stiffness()};
   s.interface = m.interface();
+  s.threads = m.threads();
   s.output = {m.output().directory(), m.output().field_interval(), m.output().series_interval()};
   for (const auto& p : m.probe()) s.probes.push_back({p.name(), {p.x(), p.y(), p.z()}});
   return s;

@@ -96,6 +96,7 @@ struct Settings {
   TimeSettings time;
   NewtonSettings newton;
   std::string interface;
+  int threads = 0; ///< of the assembly; 0: one for each processor, or OMP_NUM_THREADS
   OutputSettings output;
   std::vector<ProbeSettings> probes;
   /// Where each field stands, for errors that only the mesh can tell.

@@ -83,6 +83,36 @@ TEST(Integrator, TangentOfTheWholeResidual) {
   check_whole_tangent(ElementKind::quad9);
 }
 
+/// Residual, tangent and energy have the same bits whatever the number of threads.
+void check_threads(ElementKind kind) {
+  const Model model = loaded_model(kind);
+  const LoadValues loads = evaluate_loads(model, 0.3);
+  std::vector<double> u(model.equation_count()), reference(u.size()), r(u.size());
+  Numbers numbers;
+  for (double& value : u) value = 0.02 * numbers();
+  const Assembler::Request request{
+      .displacement = u, .loads = loads, .tangent = true, .tangent_scale = 0.7, .load_stiffness = true};
+  Assembler alone(model, 1);
+  const double energy = alone.assemble(request, reference);
+  EXPECT_GT(energy, 0);
+  EXPECT_GT(alone.tangent().norm(), 0);
+  for (const int threads : {2, 3, 7}) {
+    Assembler several(model, threads);
+    for (int again = 0; again < 3; ++again) {
+      EXPECT_EQ(several.assemble(request, r), energy);
+      EXPECT_EQ(r, reference);
+      EXPECT_TRUE(std::equal(several.tangent().valuePtr(),
+                             several.tangent().valuePtr() + several.tangent().nonZeros(),
+                             alone.tangent().valuePtr()));
+    }
+  }
+}
+
+TEST(Assembler, ThreadsDoNotChangeABit) {
+  check_threads(ElementKind::tri3);
+  check_threads(ElementKind::quad9);
+}
+
 /// Affine in-plane stretch of a distorted patch, prescribed on its edge: the inner nodes follow it, the
 /// stress is the constant one of St. Venant-Kirchhoff.
 void check_patch(ElementKind kind) {
