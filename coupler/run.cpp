@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "coupler/run_directory.hpp"
 #include "coupler/scheme/step_loop.hpp"
 
 namespace drogue::coupler {
@@ -18,25 +19,6 @@ using Clock = std::chrono::steady_clock;
 
 void on_signal(int) {
   launcher::Hub::interrupt();
-}
-
-/// Makes the run directory; results of an earlier run are moved aside to NAME.1, NAME.2, ...
-Result<fs::path> fresh_directory(const fs::path& wanted) {
-  fs::path directory = fs::absolute(wanted).lexically_normal();
-  if (!directory.has_filename()) directory = directory.parent_path(); // "out/"
-  std::error_code failure;
-  if (fs::exists(directory) && !fs::is_empty(directory, failure)) {
-    fs::path aside;
-    for (int i = 1; aside.empty() || fs::exists(aside); ++i)
-      aside = directory.string() + fmt::format(".{}", i);
-    fs::rename(directory, aside, failure);
-    if (failure) return config_error("cannot move {} aside: {}", directory.string(), failure.message());
-    spdlog::info("the results of an earlier run are kept in {}", aside.string());
-  }
-  fs::create_directories(directory, failure);
-  if (failure)
-    return config_error("cannot make the run directory {}: {}", directory.string(), failure.message());
-  return directory;
 }
 
 /// A line on a terminal that is written over, plain log lines otherwise.
@@ -61,10 +43,15 @@ class Progress {
 };
 
 void summarise(const LoopTotals& totals, Participants& participants, double seconds) {
-  spdlog::info("{} steps, {} iterations: {:.2f} a step on average, {} at most; {} not converged, {} retried",
-               totals.steps, totals.iterations,
-               static_cast<double>(totals.iterations) / std::max(totals.steps, 1), totals.most_iterations,
-               totals.unconverged, totals.retries);
+  spdlog::info(
+      "{} steps{}, {} iterations: {:.2f} a step on average, {} at most; {} not converged, {} retried",
+      totals.steps, totals.parts > totals.steps ? fmt::format(" (done in {} parts)", totals.parts) : "",
+      totals.iterations, static_cast<double>(totals.iterations) / std::max(totals.steps, 1),
+      totals.most_iterations, totals.unconverged, totals.retries);
+  if (totals.dropped_columns > 0)
+    spdlog::info("acceleration: {:.1f} secants an iteration on average, {:.1f} more left out by the filter",
+                 totals.used_columns / std::max(totals.iterations, 1),
+                 totals.dropped_columns / std::max(totals.iterations, 1));
   spdlog::info("added mass: the fluid answers with about {:.2g} times the structure's own inertia",
                totals.added_mass_ratio);
   double everyone = 0;
@@ -76,6 +63,10 @@ void summarise(const LoopTotals& totals, Participants& participants, double seco
   }
   spdlog::info("time {:.1f} s: {}coupler and transport {:.1f} s", seconds, shares,
                std::max(0.0, seconds - everyone));
+  std::string memory;
+  for (const auto& peer : participants.hub().peers())
+    memory += fmt::format("{} {:.0f} MB, ", peer->name, peer->peak_memory_mb());
+  spdlog::info("peak memory: {}coupler {:.0f} MB", memory, launcher::peak_memory_mb(getpid()));
 }
 
 Result<void> run_steps(const CaseSettings& settings, Participants& participants, const fs::path& directory) {
@@ -102,22 +93,23 @@ Result<void> run_case(const CaseSettings& settings) {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);
-  const auto directory = fresh_directory(settings.run_directory);
-  if (!directory) return directory.error();
+  const auto held = RunDirectory::create(settings.run_directory);
+  if (!held) return held.error();
+  const fs::path& directory = held->path();
   spdlog::default_logger()->sinks().push_back(
-      std::make_shared<spdlog::sinks::basic_file_sink_mt>((*directory / "coupler.log").string()));
+      std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "coupler.log").string()));
   std::error_code ignored;
-  fs::copy_file(settings.file, *directory / settings.file.filename(), ignored);
+  fs::copy_file(settings.file, directory / settings.file.filename(), ignored);
 
-  spdlog::info("case \"{}\" in {}", settings.name, directory->string());
-  auto participants = Participants::launch(settings, *directory);
+  spdlog::info("case \"{}\" in {}", settings.name, directory.string());
+  auto participants = Participants::launch(settings, directory);
   if (!participants) return participants.error();
-  if (auto outcome = run_steps(settings, **participants, *directory); !outcome) {
+  if (auto outcome = run_steps(settings, **participants, directory); !outcome) {
     (*participants)->hub().abort(outcome.error().message);
     return outcome.error();
   }
   DROGUE_TRY((*participants)->hub().shut_down(launcher::Seconds(settings.deadlines.shutdown)));
-  spdlog::info("results in {}", directory->string());
+  spdlog::info("results in {}", directory.string());
   return {};
 }
 

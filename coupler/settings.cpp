@@ -77,6 +77,7 @@ LoopSettings loop(const v1::CouplingLoop& l, const config::Source& source, confi
   s.divergence = l.divergence();
   s.wall_velocity = l.wall_velocity() == v1::CouplingLoop::MESH_RATE ? WallVelocity::mesh_rate
                                                                      : WallVelocity::structure_rate;
+  s.inner_residual = l.inner_residual();
   return s;
 }
 

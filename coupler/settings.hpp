@@ -37,6 +37,7 @@ struct LoopSettings {
   int max_halvings = 4;
   double divergence = 1e6;
   WallVelocity wall_velocity = WallVelocity::structure_rate;
+  double inner_residual = 0.1;
 };
 
 /// Seconds.

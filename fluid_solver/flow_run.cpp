@@ -100,8 +100,8 @@ Result<StepFigures> FlowRun::finish_step(bool write_fields) {
     const StepData& data = solver_.step_data();
     for (std::size_t i = 0; i < relative.size(); ++i) relative[i] -= (data.x_np1[i] - data.x_n[i]) / data.dt;
     figures.mass_imbalance = mass_imbalance(input_.mesh, s.x, relative);
-    results_->write_series(s, figures);
-    if (write_fields) written = results_->write_fields(s, false);
+    written = results_->write_series(s, figures);
+    if (written && write_fields) written = results_->write_fields(s, false);
   }
   if (const auto all = agree(written); !all) return all.error();
   return figures;

@@ -104,7 +104,7 @@ Result<participant::IterationReport> FluidParticipant::iterate(const participant
   outputs["mean_pressure"] = array(flow_.mean_pressure(), 1);
   const NewtonReport& report = flow_.last_report();
   return participant::IterationReport{static_cast<std::uint32_t>(report.iterations), report.residual,
-                                      report.converged};
+                                      report.converged, true}; // newton.iterations_per_coupling
 }
 
 Result<void> FluidParticipant::commit(bool write_output) {

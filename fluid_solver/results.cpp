@@ -58,10 +58,11 @@ Result<Results> Results::create(const Settings& settings, const FluidMesh& mesh,
   return results;
 }
 
-void Results::write_series(const FlowState& state, const StepFigures& f) {
-  if (state.step % static_cast<std::uint64_t>(settings_->output.series_interval) != 0) return;
-  flow_.row({static_cast<double>(state.step), state.time, static_cast<double>(f.newton.iterations),
-             f.newton.residual, static_cast<double>(f.newton.linear_iterations), f.cfl, f.mass_imbalance});
+Result<void> Results::write_series(const FlowState& state, const StepFigures& f) {
+  if (state.step % static_cast<std::uint64_t>(settings_->output.series_interval) != 0) return {};
+  DROGUE_TRY(flow_.row({static_cast<double>(state.step), state.time, static_cast<double>(f.newton.iterations),
+                        f.newton.residual, static_cast<double>(f.newton.linear_iterations), f.cfl,
+                        f.mass_imbalance}));
   std::vector<double> row{state.time};
   for (std::size_t i = 0; i < f.forces.size(); ++i) {
     const SurfaceForce& force = f.forces[i];
@@ -70,11 +71,11 @@ void Results::write_series(const FlowState& state, const StepFigures& f) {
     if (const double reference = settings_->forces[i].reference_force; reference > 0)
       for (std::size_t d = 0; d < 3; ++d) row.push_back((force.pressure[d] + force.viscous[d]) / reference);
   }
-  forces_.row(row);
-  if (!probe_series_) return;
+  DROGUE_TRY(forces_.row(row));
+  if (!probe_series_) return {};
   row = probes_.values(state.u, state.p, settings_->density);
   row.insert(row.begin(), state.time);
-  probe_series_->row(row);
+  return probe_series_->row(row);
 }
 
 Result<void> Results::write_fields(const FlowState& state, bool force) {

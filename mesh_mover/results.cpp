@@ -29,9 +29,9 @@ Result<void> Results::write(const MeshMover& mover, std::uint64_t step, double t
   };
   const Quality& q = report.quality;
   if (every(settings_.series_interval))
-    series_.row({static_cast<double>(step), time, static_cast<double>(report.iterations), report.residual,
-                 q.min_volume_ratio, q.max_volume_ratio, q.worst_mean_ratio, q.mean_mean_ratio,
-                 q.worst_place[0], q.worst_place[1], q.worst_place[2]});
+    DROGUE_TRY(series_.row({static_cast<double>(step), time, static_cast<double>(report.iterations),
+                            report.residual, q.min_volume_ratio, q.max_volume_ratio, q.worst_mean_ratio,
+                            q.mean_mean_ratio, q.worst_place[0], q.worst_place[1], q.worst_place[2]}));
   if (every(settings_.field_interval) || (is_last && settings_.field_interval > 0))
     return write_fields(mover, step, time);
   return {};

@@ -71,6 +71,7 @@ Result<participant::InterfaceMesh> Coupled::initialize() {
   out.points = out.reference;
   for (std::size_t i = 0; i < out.points.size(); ++i) out.points[i] += u_initial_[i];
   out.material = material_coordinates(mesh, nodes_);
+  out.velocity = gather(integrator_.committed().v, nodes_, 3);
   out.mesh_nodes.assign(nodes_.begin(), nodes_.end());
   out.mesh_node_count = model.node_count();
   out.mesh_hash = model.mesh_hash;
@@ -121,7 +122,7 @@ Result<participant::IterationReport> Coupled::iterate(const participant::Fields&
   outputs["displacement"] = std::move(u);
   outputs["velocity"] = on_interface(integrator_.trial().v);
   return participant::IterationReport{static_cast<std::uint32_t>(outcome->iterations), outcome->residual,
-                                      outcome->converged};
+                                      outcome->converged, count > 0};
 }
 
 Result<void> Coupled::commit(bool write_output) {

@@ -40,12 +40,12 @@ Result<void> Results::open(std::uint64_t first_step) {
 Result<void> Results::step(const Step& step) {
   const std::uint64_t k = step.state.step;
   if (!open_) DROGUE_TRY(open(k));
-  if (k % static_cast<std::uint64_t>(settings_.series_interval) == 0) row(step);
+  if (k % static_cast<std::uint64_t>(settings_.series_interval) == 0) DROGUE_TRY(row(step));
   if (!step.may_write_fields || settings_.field_interval == 0) return {};
   return k % static_cast<std::uint64_t>(settings_.field_interval) == 0 ? fields(step.state) : Result<void>();
 }
 
-void Results::row(const Step& step) {
+Result<void> Results::row(const Step& step) {
   const State& state = step.state;
   const Balance& balance = step.balance;
   const StressFields stress = stress_fields(model_, state.u);
@@ -62,14 +62,14 @@ void Results::row(const Step& step) {
                                 stress.wrinkled_fraction};
   for (const auto& reaction : balance.reactions)
     values.insert(values.end(), reaction.begin(), reaction.end());
-  series_.row(values);
-  if (!probe_series_) return;
+  DROGUE_TRY(series_.row(values));
+  if (!probe_series_) return {};
   values = {state.time};
   for (const ProbePoint& probe : probes_) {
     const auto u = probe(state.u);
     values.insert(values.end(), u.begin(), u.end());
   }
-  probe_series_->row(values);
+  return probe_series_->row(values);
 }
 
 Result<void> Results::fields(const State& state) {

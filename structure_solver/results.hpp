@@ -42,7 +42,7 @@ class Results {
 
  private:
   [[nodiscard]] Result<void> open(std::uint64_t first_step);
-  void row(const Step& step);
+  [[nodiscard]] Result<void> row(const Step& step);
   [[nodiscard]] std::vector<std::string> series_columns() const;
 
   const OutputSettings settings_;

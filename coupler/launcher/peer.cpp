@@ -56,6 +56,12 @@ std::string request_text(v1::Envelope::BodyCase body, const v1::Envelope& where)
   return text;
 }
 
+double Peer::peak_memory_mb() const {
+  double sum = process ? launcher::peak_memory_mb(process->pid()) : 0;
+  for (const Watch& rank : ranks) sum += launcher::peak_memory_mb(rank.pid());
+  return sum;
+}
+
 void Hub::interrupt() noexcept {
   interrupted_flag = true;
 }

@@ -37,6 +37,9 @@ struct Peer {
   std::optional<wire::Message> answer;
   double busy_seconds = 0; ///< time spent working on requests, for the summary
   std::chrono::steady_clock::time_point asked_at{};
+
+  /// Of all its processes on this machine together [MB].
+  [[nodiscard]] double peak_memory_mb() const;
 };
 
 /// The coupler's socket and its participants: starts them, sends requests, and waits for answers while

@@ -213,6 +213,13 @@ Result<fs::path> find_program(const std::string& name) {
   return config_error("there is no program \"{}\" beside the coupler ({}) or in PATH", name, own.string());
 }
 
+double peak_memory_mb(pid_t pid) {
+  std::ifstream status(fmt::format("/proc/{}/status", pid));
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmHWM:", 0) == 0) return std::atof(line.c_str() + 6) / 1024; // in kB
+  return 0;
+}
+
 std::vector<std::string> last_lines(const fs::path& file, std::size_t count) {
   std::ifstream stream(file);
   std::vector<std::string> lines;

@@ -88,6 +88,9 @@ class Watch {
 /// in PATH. Errors (ErrorKind::config): not found; says where was looked.
 [[nodiscard]] Result<std::filesystem::path> find_program(const std::string& name);
 
+/// The most memory a running process has held [MB]; 0 when it is gone.
+[[nodiscard]] double peak_memory_mb(pid_t pid);
+
 /// The last `count` lines of a text file; empty when it cannot be read.
 [[nodiscard]] std::vector<std::string> last_lines(const std::filesystem::path& file, std::size_t count);
 

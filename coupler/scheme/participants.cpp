@@ -62,6 +62,7 @@ Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Me
   floats("points", mesh.points);
   floats("reference", mesh.reference);
   floats("material", mesh.material);
+  floats("velocity", mesh.velocity);
   indices("triangles", mesh.triangles);
   indices("quadrangles9", mesh.quadrangles9);
   indices("mesh_nodes", mesh.mesh_nodes);
@@ -77,6 +78,10 @@ Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Me
     return bad("reference must have the shape of points");
   if (!mesh.material.empty() && mesh.material.size() != n)
     return bad("material must have the shape of points");
+  if (!mesh.velocity.empty() && mesh.velocity.size() != n)
+    return bad("velocity must have the shape of points");
+  if (const auto value = wire::first_not_finite(mesh.velocity))
+    return bad(fmt::format("velocity is not finite at node {}", *value / 3).c_str());
   if (mesh.triangles.size() % 3 != 0) return bad("triangles must be {m, 3}");
   if (mesh.quadrangles9.size() % 9 != 0) return bad("quadrangles9 must be {m, 9}");
   const auto within = [](const std::vector<std::int64_t>& list, std::int64_t end) {
@@ -267,6 +272,7 @@ Result<Fields> Participants::iterate(Peer& peer, const Station& at, Fields input
   if (!answer) return answer.error();
   if (&peer == fluid_) fluid_report_ = answer->envelope.iterated();
   if (&peer == structure_) structure_report_ = answer->envelope.iterated();
+  if (&peer == mesh_mover_) mesh_report_ = answer->envelope.iterated();
   for (const v1::FieldContract& output : peer.hello.output()) {
     const auto it = answer->floats.find(output.name());
     if (it == answer->floats.end()) {
@@ -282,6 +288,19 @@ Result<Fields> Participants::iterate(Peer& peer, const Station& at, Fields input
     DROGUE_TRY(check_shape(peer.name, output, it->second, mesh));
   }
   return std::move(answer->floats);
+}
+
+std::string Participants::inner_trouble(double residual) const {
+  for (const auto& [name, report] :
+       {std::pair{"mesh_mover", &mesh_report_}, std::pair{"fluid", &fluid_report_},
+        std::pair{"structure", &structure_report_}}) {
+    if (report->converged() || (report->fixed_iterations() && report->inner_residual() <= residual)) continue;
+    return fmt::format(
+        "the {}'s own iteration did not converge (residual {:.2e} of the step's first after {} "
+        "iterations)",
+        name, report->inner_residual(), report->inner_iterations());
+  }
+  return {};
 }
 
 Result<Fields> Participants::structure(const Station& at, Fields inputs) {

@@ -45,6 +45,11 @@ class Participants {
   [[nodiscard]] const v1::Iterated& fluid_report() const { return fluid_report_; }
   [[nodiscard]] const v1::Iterated& structure_report() const { return structure_report_; }
 
+  /// Why the last solves of the three may not end a step; empty when they may. A solver that iterates to its
+  /// own tolerance must have met it; one that does a fixed number of iterations must have its residual at or
+  /// below `residual`, relative to the first of the step, or its own tolerance.
+  [[nodiscard]] std::string inner_trouble(double residual) const;
+
   /// The load the fluid offers at the time level that the wall velocity asks for: name of its output.
   [[nodiscard]] const std::string& load_field() const { return load_field_; }
   [[nodiscard]] bool load_is_pressure() const { return load_is_pressure_; }
@@ -65,7 +70,7 @@ class Participants {
   const CaseSettings& settings_;
   std::unique_ptr<launcher::Hub> hub_;
   launcher::Peer *fluid_ = nullptr, *structure_ = nullptr, *mesh_mover_ = nullptr;
-  v1::Iterated fluid_report_, structure_report_;
+  v1::Iterated fluid_report_, structure_report_, mesh_report_;
   std::string load_field_;
   bool load_is_pressure_ = true;
 };

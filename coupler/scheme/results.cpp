@@ -22,11 +22,13 @@ Result<Results> Results::create(const std::filesystem::path& run_directory) {
                                                                          "force_structure_z",
                                                                          "force_defect",
                                                                          "columns",
+                                                                         "dropped_columns",
                                                                          "smallest_volume_ratio",
                                                                          "fluid_inner_iterations",
                                                                          "fluid_inner_residual",
                                                                          "structure_inner_iterations",
-                                                                         "structure_inner_residual"});
+                                                                         "structure_inner_residual",
+                                                                         "inner_converged"});
   if (!coupling) return coupling.error();
   results.coupling_ = std::move(*coupling);
   auto drag = io::CsvWriter::create(run_directory / "drag.csv",
@@ -38,35 +40,37 @@ Result<Results> Results::create(const std::filesystem::path& run_directory) {
   return results;
 }
 
-void Results::iteration(const IterationRecord& r) {
-  coupling_.row({r.step,
-                 r.attempt,
-                 r.iteration,
-                 r.time,
-                 r.residual_relative,
-                 r.residual_absolute,
-                 r.increment,
-                 r.velocity_residual,
-                 r.sweep_defect,
-                 r.force_fluid[0],
-                 r.force_fluid[1],
-                 r.force_fluid[2],
-                 r.force_structure[0],
-                 r.force_structure[1],
-                 r.force_structure[2],
-                 r.force_defect,
-                 r.columns,
-                 r.smallest_volume_ratio,
-                 r.fluid_inner_iterations,
-                 r.fluid_inner_residual,
-                 r.structure_inner_iterations,
-                 r.structure_inner_residual});
+Result<void> Results::iteration(const IterationRecord& r) {
+  return coupling_.row({r.step,
+                        r.attempt,
+                        r.iteration,
+                        r.time,
+                        r.residual_relative,
+                        r.residual_absolute,
+                        r.increment,
+                        r.velocity_residual,
+                        r.sweep_defect,
+                        r.force_fluid[0],
+                        r.force_fluid[1],
+                        r.force_fluid[2],
+                        r.force_structure[0],
+                        r.force_structure[1],
+                        r.force_structure[2],
+                        r.force_defect,
+                        r.columns,
+                        r.dropped_columns,
+                        r.smallest_volume_ratio,
+                        r.fluid_inner_iterations,
+                        r.fluid_inner_residual,
+                        r.structure_inner_iterations,
+                        r.structure_inner_residual,
+                        r.inner_converged});
 }
 
-void Results::step(const StepRecord& r) {
-  drag_.row({r.time, r.force[0], r.force[1], r.force[2], r.drag_coefficient, r.load_factor,
-             r.mean_displacement[0], r.mean_displacement[1], r.mean_displacement[2], r.iterations,
-             r.converged});
+Result<void> Results::step(const StepRecord& r) {
+  return drag_.row({r.time, r.force[0], r.force[1], r.force[2], r.drag_coefficient, r.load_factor,
+                    r.mean_displacement[0], r.mean_displacement[1], r.mean_displacement[2], r.iterations,
+                    r.converged});
 }
 
 } // namespace drogue::coupler

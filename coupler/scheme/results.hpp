@@ -22,11 +22,13 @@ struct IterationRecord {
   Vector3 force_fluid{};        ///< integral of the load over the fluid surface [force]
   Vector3 force_structure{};    ///< sum of the nodal forces [force]
   double force_defect = 0;      ///< |difference| / max(|force_fluid|, tiny)
-  double columns = 0;           ///< secants the accelerator used for the next iterate
+  /// Secants the accelerator used for the next iterate, and those its filter left out.
+  double columns = 0, dropped_columns = 0;
   double smallest_volume_ratio = 0;
   /// The solvers' own iterations in this solve, and their residual after them relative to the step's first.
   double fluid_inner_iterations = 0, fluid_inner_residual = 0;
   double structure_inner_iterations = 0, structure_inner_residual = 0;
+  double inner_converged = 1; ///< 1: the solvers' own iterations allow the step to end here
 };
 
 /// One committed step: a row of drag.csv.
@@ -44,8 +46,9 @@ struct StepRecord {
 class Results {
  public:
   [[nodiscard]] static Result<Results> create(const std::filesystem::path& run_directory);
-  void iteration(const IterationRecord& r);
-  void step(const StepRecord& r);
+  /// Errors of both: as io::CsvWriter::row.
+  [[nodiscard]] Result<void> iteration(const IterationRecord& r);
+  [[nodiscard]] Result<void> step(const StepRecord& r);
 
  private:
   io::CsvWriter coupling_, drag_;

@@ -23,24 +23,33 @@ Result<StepLoop> StepLoop::create(Participants& participants, Exchange& exchange
   for (std::vector<double>* v : {&loop.n_.d, &loop.n_.v, &loop.d_, &loop.v_, &loop.d_tilde_, &loop.v_tilde_,
                                  &loop.r_, &loop.work_, &loop.d_before_, &loop.d_tilde_before_})
     v->assign(size, 0.0);
+  if (const auto& v = participants.structure_interface.velocity; !v.empty()) loop.n_.v = v;
   for (const double area : exchange.areas()) loop.weights_.insert(loop.weights_.end(), 3, area);
   DROGUE_TRY(loop.use_step(settings.time_step));
   return loop;
 }
 
 Result<void> StepLoop::use_step(double time_step) {
-  if (time_step == accelerator_step_) return {};
-  auto made =
-      acceleration::make_accelerator(settings_.acceleration, weights_.size(), weights_.size(), weights_);
-  if (!made) return made.error();
-  accelerator_ = std::move(*made);
-  accelerator_step_ = time_step;
+  auto& accelerator = accelerators_[time_step];
+  if (!accelerator) {
+    auto made =
+        acceleration::make_accelerator(settings_.acceleration, weights_.size(), weights_.size(), weights_);
+    if (!made) return made.error();
+    accelerator = std::move(*made);
+  }
+  accelerator_ = accelerator.get();
   return {};
 }
 
 Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step) {
   attempt_ = 0;
-  return advance(step, time, time_step, Part{});
+  step_unconverged_ = false;
+  const int before = totals_.iterations;
+  DROGUE_TRY(advance(step, time, time_step, Part{}));
+  ++totals_.steps;
+  totals_.most_iterations = std::max(totals_.most_iterations, totals_.iterations - before);
+  totals_.unconverged += step_unconverged_ ? 1 : 0;
+  return {};
 }
 
 Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step, Part part) {
@@ -61,6 +70,7 @@ Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step
   if (!may_retry) return numerical_error("{}", what);
   spdlog::warn("{}: rolled back, in halves", what);
   DROGUE_TRY(participants_.roll_back(at));
+  accelerator_->rollback();
   ++totals_.retries;
   DROGUE_TRY(advance(step, time, 0.5 * time_step, {part.halvings + 1, false}));
   return advance(step, time + 0.5 * time_step, 0.5 * time_step, {part.halvings + 1, part.is_last});
@@ -99,14 +109,13 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     record_.time = time + time_step;
     const bool small =
         record_.residual_relative <= loop.relative || record_.residual_absolute <= loop.absolute;
-    outcome.converged = small && k >= loop.min_iterations;
+    const std::string inner_trouble = participants_.inner_trouble(loop.inner_residual);
+    record_.inner_converged = inner_trouble.empty() ? 1 : 0;
+    outcome.converged = small && inner_trouble.empty() && k >= loop.min_iterations;
+    outcome.trouble = small ? inner_trouble : "";
     const bool diverged = !(record_.residual_absolute <= loop.divergence);
-    if (!outcome.converged && !diverged && k < loop.max_iterations) {
-      if (!accelerator_->next({d_, d_tilde_, v_, v_tilde_}, d_, v_))
-        return numerical_error("the accelerator met a value that is not finite");
-      record_.columns = accelerator_->used_columns();
-    }
-    results_.iteration(record_);
+    if (!outcome.converged && !diverged && k < loop.max_iterations) DROGUE_TRY(next_iterate());
+    DROGUE_TRY(results_.iteration(record_));
     spdlog::debug("step {} iteration {}: residual {:.2e} of the increment", at.step, k,
                   record_.residual_relative);
     if (outcome.converged) return outcome;
@@ -116,9 +125,20 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     }
   }
   outcome.acceptable = true;
-  outcome.trouble = fmt::format("residual {:.2e} of the increment after {} iterations (asked: {:.0e})",
-                                record_.residual_relative, outcome.iterations, loop.relative);
+  if (outcome.trouble.empty())
+    outcome.trouble = fmt::format("residual {:.2e} of the increment after {} iterations (asked: {:.0e})",
+                                  record_.residual_relative, outcome.iterations, loop.relative);
   return outcome;
+}
+
+Result<void> StepLoop::next_iterate() {
+  if (!accelerator_->next({d_, d_tilde_, v_, v_tilde_}, d_, v_))
+    return numerical_error("the accelerator met a value that is not finite");
+  record_.columns = accelerator_->used_columns();
+  record_.dropped_columns = accelerator_->dropped_columns();
+  totals_.used_columns += record_.columns;
+  totals_.dropped_columns += record_.dropped_columns;
+  return {};
 }
 
 /// Extrapolates d and v from the last levels (Lagrange polynomials over steps of any length).
@@ -177,10 +197,8 @@ Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double 
   n_ = {d_tilde_, v_tilde_, time_step};
   known_levels_ = std::min(known_levels_ + 1, 3);
 
-  ++totals_.steps;
-
-  totals_.most_iterations = std::max(totals_.most_iterations, outcome.iterations);
-  totals_.unconverged += outcome.converged ? 0 : 1;
+  ++totals_.parts;
+  step_unconverged_ = step_unconverged_ || !outcome.converged;
 
   StepRecord s;
   s.time = time + time_step;
@@ -190,8 +208,7 @@ Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double 
   s.mean_displacement = exchange_.mean(n_.d);
   s.iterations = outcome.iterations;
   s.converged = outcome.converged ? 1 : 0;
-  results_.step(s);
-  return {};
+  return results_.step(s);
 }
 
 } // namespace drogue::coupler

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -12,11 +13,13 @@ namespace drogue::coupler {
 
 /// Totals of a run, for the summary.
 struct LoopTotals {
-  int steps = 0;
-  int iterations = 0;
-  int most_iterations = 0;
-  int unconverged = 0;
+  int steps = 0;           ///< of the case
+  int parts = 0;           ///< committed: as many as steps, or more when steps were done in halves
+  int iterations = 0;      ///< all, those rolled back included
+  int most_iterations = 0; ///< of a step, with all its parts and attempts
+  int unconverged = 0;     ///< steps with a part that was accepted unconverged
   int retries = 0;
+  double used_columns = 0, dropped_columns = 0; ///< secants, summed over the iterations
   double added_mass_ratio =
       0; ///< ||dH|| / ||dd|| of the first secant: about the fluid's mass over the structure's
 };
@@ -24,7 +27,9 @@ struct LoopTotals {
 /// The nonlinear iteration of one time step [stein2001, "Fluid-Structure Coupling"]:
 ///   1 predict d, v
 ///   2 project to the fluid, move the mesh, solve the flow, project the load, solve the structure: d~ = H(d)
-///   3 r = d~ - d; stop when ||r|| <= relative max(||d~ - d_n||, floor) or ||r|| <= absolute
+///   3 r = d~ - d; stop when ||r|| <= relative max(||d~ - d_n||, floor) or ||r|| <= absolute, and the
+///   solvers' own
+///     iterations have converged
 ///   4 accelerate d; v by the same affine combination; go to 2
 ///   5 commit, or the policy for non-convergence
 class StepLoop {
@@ -63,17 +68,21 @@ class StepLoop {
   void predict(double time_step);
   void measure(double time_step);
   void learn_added_mass(int iteration);
+  [[nodiscard]] Result<void> next_iterate();
 
   Participants& participants_;
   Exchange& exchange_;
   Results& results_;
   const CaseSettings& settings_;
-  std::unique_ptr<acceleration::Accelerator> accelerator_;
-  std::vector<double> weights_; ///< {3 n}: lumped area of each value
-  double accelerator_step_ = 0; ///< secants of the velocity belong to one length of the step
+  /// Secants of the velocity belong to one length of the step: an accelerator for each, so that the return
+  /// from halved steps finds the old ones again. Lengths differ by powers of two, exactly.
+  std::map<double, std::unique_ptr<acceleration::Accelerator>> accelerators_;
+  acceleration::Accelerator* accelerator_ = nullptr; ///< of the present length
+  std::vector<double> weights_;                      ///< {3 n}: lumped area of each value
 
   Level n_, n_minus_1_, n_minus_2_;
   int known_levels_ = 1;
+  bool step_unconverged_ = false;
   std::uint32_t attempt_ = 0; ///< of the present step: rises with every part and every retry
   std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, r_, work_;
   std::vector<double> d_before_, d_tilde_before_;

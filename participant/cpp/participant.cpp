@@ -194,6 +194,7 @@ class Server {
     put(reply.floats, "points", std::move(mesh->points), 3);
     put(reply.floats, "reference", std::move(mesh->reference), 3);
     put(reply.floats, "material", std::move(mesh->material), 3);
+    put(reply.floats, "velocity", std::move(mesh->velocity), 3);
     put(reply.indices, "triangles", std::move(mesh->triangles), 3);
     put(reply.indices, "quadrangles9", std::move(mesh->quadrangles9), 9);
     put(reply.indices, "mesh_nodes", std::move(mesh->mesh_nodes), 1);
@@ -210,6 +211,7 @@ class Server {
     iterated.set_inner_iterations(report->inner_iterations);
     iterated.set_inner_residual(report->inner_residual);
     iterated.set_converged(report->converged);
+    iterated.set_fixed_iterations(report->fixed_iterations);
     return std::nullopt;
   }
 

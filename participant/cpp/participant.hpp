@@ -54,6 +54,8 @@ struct InterfaceMesh {
   /// {n, 3} or empty: reference positions, and coordinates in which surfaces are matched.
   std::vector<double> reference;
   std::vector<double> material;
+  /// {n, 3} or empty: velocity at Initialize, of a structure that does not start at rest.
+  std::vector<double> velocity;
   /// {m, 3} and {m, 9}: indices into points.
   std::vector<std::int64_t> triangles;
   std::vector<std::int64_t> quadrangles9;
@@ -80,6 +82,8 @@ struct IterationReport {
   std::uint32_t inner_iterations = 0;
   double inner_residual = 0;
   bool converged = true;
+  /// A fixed number of iterations in each call: the coupler judges inner_residual in place of converged.
+  bool fixed_iterations = false;
 };
 
 /// A participant's solver. serve() calls the functions in the order of the state table above, from one

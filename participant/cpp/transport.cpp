@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <span>
 
 #include <spdlog/spdlog.h>
 
@@ -29,6 +30,17 @@ struct Progress {
 Progress& progress() {
   static Progress p;
   return p;
+}
+
+/// Waits for messages, half a beat at most; a signal ends the wait early.
+Result<void> wait_for(std::span<zmq::pollitem_t> items) {
+  try {
+    zmq::poll(items.data(), items.size(), milliseconds(beat_interval) / 2);
+  } catch (const zmq::error_t& e) {
+    for (zmq::pollitem_t& item : items) item.revents = 0;
+    if (e.num() != EINTR) return internal_error("cannot wait for the coupler: {}", e.what());
+  }
+  return {};
 }
 
 } // namespace
@@ -109,7 +121,7 @@ void Transport::loop() {
                                         {wake_out_.handle(), 0, ZMQ_POLLIN, 0},
                                         {monitor_.handle(), 0, ZMQ_POLLIN, 0}}};
   while (true) {
-    zmq::poll(items.data(), items.size(), milliseconds(beat_interval) / 2);
+    if (const auto waited = wait_for(items); !waited) return lose(waited.error().message);
     if ((items[1].revents & ZMQ_POLLIN) != 0) {
       zmq::message_t ignored;
       while (wake_out_.recv(ignored, zmq::recv_flags::dontwait)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole coupled runs of four processes whose answer is known: the oscillator of oscillator_participant.cpp.
 #include <cmath>
+#include <thread>
 
 #include "coupler/launcher/process.hpp"
 #include "tests/support/coupled_case.hpp"
@@ -20,9 +21,9 @@ int run_coupler(const std::filesystem::path& case_file, const std::string& comma
 }
 
 /// Displacement since the start after each step of the trapezoidal rule for (m + m_a) a + k d = 0.
-std::vector<double> oscillator(int steps, double dt) {
+std::vector<double> oscillator(int steps, double dt, double v = 0) {
   const double mass = 5.5, k = 40, d0 = 0.01;
-  double d = d0, v = 0, a = -k * d / mass;
+  double d = d0, a = -k * d / mass;
   std::vector<double> history;
   for (int n = 0; n < steps; ++n) {
     const double guess = d + dt * v + 0.25 * dt * dt * a;
@@ -89,6 +90,99 @@ TEST(Oscillator, ARefusedStepIsDoneInHalves) {
   const auto exact = oscillator(6, 0.01);
   ASSERT_EQ(drag.rows.size(), 6u);
   for (std::size_t n = 0; n < 6; ++n) EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-8 * 0.01);
+  EXPECT_NE(read_text(folder / "output.txt").find(" 3 steps (done in 6 parts), "), std::string::npos)
+      << read_text(folder / "output.txt");
+}
+
+TEST(Oscillator, TheSecantsOfTheFullStepOutliveAStepInHalves) {
+  const auto folder = fresh_folder("secants");
+  ASSERT_EQ(run_coupler(write_case(folder, {.fluid_arguments = "--refuse-step 3",
+                                            .steps = 4,
+                                            .extra = "loop { non_convergence: RETRY }"})),
+            0)
+      << read_text(folder / "output.txt");
+  const Table coupling = read_csv(folder / "run/coupling.csv");
+  std::vector<double> first; // secants used after the first iteration of each attempt
+  for (std::size_t i = 0; i < coupling.rows.size(); ++i)
+    if (coupling.at(i, "iteration") == 1) first.push_back(coupling.at(i, "columns"));
+  EXPECT_EQ(first, (std::vector<double>{0, 1, 0, 1, 1})); // steps 1, 2, the halves of 3, and 4
+}
+
+TEST(Oscillator, StartsWithTheVelocityOfTheStructure) {
+  const auto folder = fresh_folder("velocity");
+  ASSERT_EQ(run_coupler(write_case(
+                folder,
+                {.structure_arguments = "--velocity 0.05", .steps = 10, .extra = "loop { relative: 1e-9 }"})),
+            0)
+      << read_text(folder / "output.txt");
+  const Table drag = read_csv(folder / "run/drag.csv");
+  const auto exact = oscillator(10, 0.02, 0.05);
+  for (std::size_t n = 0; n < exact.size(); ++n)
+    EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-8 * 0.01) << "step " << n + 1;
+}
+
+/// The plate converges in its second iterate; the fluid says for three that it has not.
+TEST(Oscillator, AStepDoesNotEndBeforeTheSolversOwnIterations) {
+  const auto folder = fresh_folder("inner");
+  const auto iterations = [&](const std::string& arguments, const std::string& loop) {
+    const auto status = run_coupler(write_case(
+        folder, {.fluid_arguments = arguments, .steps = 1, .extra = "loop { relative: 0.5 " + loop + "}"}));
+    EXPECT_EQ(status, 0) << read_text(folder / "output.txt");
+    return read_csv(folder / "run/drag.csv").at(0, "iterations");
+  };
+  const double free = iterations("", "");
+  ASSERT_LT(free, 4);
+  EXPECT_EQ(iterations("--fixed-residual 0.2", ""), 4);
+  EXPECT_EQ(iterations("--fixed-residual 0.2", "inner_residual: 0.3 "), free);
+  EXPECT_EQ(iterations("--fixed-residual 0.05", ""), free);
+}
+
+TEST(Oscillator, AnUnconvergedSolverIsNamedWhenTheIterationsRunOut) {
+  const auto folder = fresh_folder("inner");
+  ASSERT_EQ(run_coupler(write_case(folder, {.fluid_arguments = "--fixed-residual 0.2",
+                                            .extra = "loop { relative: 0.5 max_iterations: 3 }"})),
+            3);
+  EXPECT_NE(read_text(folder / "output.txt").find("the fluid's own iteration did not converge"),
+            std::string::npos);
+}
+
+/// No file of the run may grow beyond a few kB: the table of iterations meets that limit first.
+TEST(Oscillator, AFullDiskEndsTheRunAndNamesTheFile) {
+  const auto folder = fresh_folder("full");
+  const auto file = write_case(folder, {.steps = 200});
+  auto process = launcher::Process::start({{"/bin/sh", "-c", "trap '' XFSZ; ulimit -f 16; exec \"$@\"", "sh",
+                                            std::string(DROGUE_BIN_DIR) + "/coupler", "run", file.string()},
+                                           {},
+                                           folder,
+                                           folder / "output.txt"});
+  ASSERT_TRUE(process.ok());
+  const auto& exit = process->wait(std::chrono::seconds(60));
+  ASSERT_TRUE(exit.has_value());
+  const std::string output = read_text(folder / "output.txt");
+  EXPECT_EQ(exit->status, 1) << output;
+  EXPECT_NE(output.find("cannot write " + (folder / "run/coupling.csv").string()), std::string::npos)
+      << output;
+  EXPECT_GT(read_csv(folder / "run/coupling.csv").rows.size(), 10u);
+}
+
+TEST(Oscillator, ASecondRunInTheSameFolderIsRefused) {
+  const auto folder = fresh_folder("lock");
+  const auto file = write_case(folder, {.fluid_arguments = "--delay 0.2", .steps = 100});
+  auto first = launcher::Process::start(
+      {{std::string(DROGUE_BIN_DIR) + "/coupler", "run", file.string()}, {}, folder, folder / "first.txt"});
+  ASSERT_TRUE(first.ok());
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!std::filesystem::exists(folder / "run/drag.csv") && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(run_coupler(file), 2);
+  EXPECT_NE(
+      read_text(folder / "output.txt").find(fmt::format("another coupler (pid {}) runs in", first->pid())),
+      std::string::npos)
+      << read_text(folder / "output.txt");
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/drag.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run.1"));
+  first->kill_session();
+  EXPECT_EQ(run_coupler(write_case(folder, {.steps = 1})), 0) << "the lock of a dead coupler holds";
 }
 
 TEST(Oscillator, AnEarlierRunIsKeptAside) {

@@ -3,10 +3,14 @@
 #include "participant/cpp/participant.hpp"
 
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <future>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "participant/cpp/protocol_state.hpp"
 #include "participant/cpp/wire.hpp"
@@ -198,6 +202,21 @@ TEST_F(ScriptedPeer, BeatsWhileItWorks) {
   send(m);
   EXPECT_TRUE(receive(false).envelope.has_beat());
   EXPECT_TRUE(receive().envelope.has_iterated());
+}
+
+TEST_F(ScriptedPeer, ASignalDoesNotEndItsWait) {
+  bring_to_ready();
+  struct sigaction ignore {};
+  ignore.sa_handler = [](int) {}; // without SA_RESTART: every wait that it meets is interrupted
+  ASSERT_EQ(sigaction(SIGUSR1, &ignore, nullptr), 0);
+  for (int k = 0; k < 20; ++k) {
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
+      if (const int thread = std::stoi(task.path().filename()); thread != getpid())
+        (void)syscall(SYS_tgkill, getpid(), thread, SIGUSR1);
+    std::this_thread::sleep_for(5ms);
+  }
+  begin_step();
+  EXPECT_TRUE(iterate({1, 2, 3, 4, 5, 6}).envelope.has_iterated());
 }
 
 TEST_F(ScriptedPeer, ACorruptArrayEndsTheParticipant) {

@@ -7,8 +7,9 @@
 //   mesh_mover   every node moves with the plate
 // The trapezoidal rule in both makes the coupled steps those of the oscillator (m + m_a) a + k d = 0.
 //
-// usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] [--second-rank yes]
-//                               --connect ENDPOINT
+// usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] [--refuse-step N]
+//                               [--second-rank yes]                           [--velocity V]
+//                               [--fixed-residual R] --connect ENDPOINT
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -33,7 +34,12 @@ struct Options {
   std::string role, endpoint;
   double delay = 0;                ///< seconds of "work" in every iterate
   double refuse_steps_above = 1e9; ///< a fluid that cannot do long steps (retryable error)
-  std::vector<std::int64_t> pids;  ///< this process and its second rank; empty without one
+  std::uint64_t refused_step = 0;  ///< a fluid that fails in the first attempt of this step
+  double velocity = 0;             ///< of the structure at the start
+  /// A solver that says it does a fixed number of iterations, is not converged, and has this residual in the
+  /// first three iterates of a step and none later; below 0: one that converges.
+  double fixed_residual = -1;
+  std::vector<std::int64_t> pids; ///< this process and its second rank; empty without one
 };
 
 /// The unit square as a grid of n x n squares, two triangles each; n differs between the two sides.
@@ -64,11 +70,19 @@ class Plate : public Solver {
   }
   Result<void> begin_step(const StepInfo& step) override {
     dt_ = step.time_step;
+    refuses_ = step.step == options_.refused_step && step.attempt == 1;
+    iterates_ = 0;
     return {};
   }
   Result<IterationReport> iterate(const Fields& in, Fields& out) override {
     std::this_thread::sleep_for(std::chrono::duration<double>(options_.delay));
-    return solve(in, out);
+    auto report = solve(in, out);
+    if (report && options_.fixed_residual >= 0) {
+      report->converged = false;
+      report->fixed_iterations = true;
+      report->inner_residual = ++iterates_ <= 3 ? options_.fixed_residual : 0;
+    }
+    return report;
   }
   Result<void> commit(bool) override {
     n_ = now_;
@@ -95,13 +109,16 @@ class Plate : public Solver {
   Options options_;
   InterfaceMesh mesh_;
   double dt_ = 0;
+  bool refuses_ = false;
+  int iterates_ = 0; ///< of the step
   Motion n_, now_;
 };
 
 class Structure : public Plate {
  public:
   explicit Structure(Options o) : Plate(std::move(o), 5) {
-    n_ = now_ = {initial_displacement, 0, initial_acceleration};
+    n_ = now_ = {initial_displacement, options_.velocity, initial_acceleration};
+    if (n_.v != 0) mesh_.velocity = along_z(n_.v).values;
   }
   Description describe() override {
     Description d;
@@ -136,7 +153,8 @@ class Fluid : public Plate {
     d.software = "oscillator fluid";
     d.pids = options_.pids;
     d.inputs = {field("mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3),
-                field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3)};
+                field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3),
+                field("velocity_start", C::VELOCITY, C::INTERFACE_NODES, 3)};
     d.outputs = {field("pressure", C::PRESSURE, C::INTERFACE_NODES, 1)};
     return d;
   }
@@ -144,7 +162,9 @@ class Fluid : public Plate {
  protected:
   Result<IterationReport> solve(const Fields& in, Fields& out) override {
     if (dt_ > options_.refuse_steps_above) return retryable_error("a step of {} is too long", dt_);
+    if (refuses_) return retryable_error("not this time");
     const auto& v = in.at("velocity").values;
+    n_.v = in.at("velocity_start").values[2];
     FloatArray p{{nodes(), 1}, std::vector<double>(nodes())};
     for (std::size_t i = 0; i < nodes(); ++i)
       p.values[i] = -added_mass * (2 * (v[3 * i + 2] - n_.v) / dt_ - n_.a);
@@ -192,6 +212,9 @@ int main(int argc, char** argv) {
     const std::string name = argv[i];
     if (name == "--connect") options.endpoint = argv[i + 1];
     if (name == "--delay") options.delay = std::atof(argv[i + 1]);
+    if (name == "--refuse-step") options.refused_step = std::strtoull(argv[i + 1], nullptr, 10);
+    if (name == "--velocity") options.velocity = std::atof(argv[i + 1]);
+    if (name == "--fixed-residual") options.fixed_residual = std::atof(argv[i + 1]);
     if (name == "--refuse-steps-above") options.refuse_steps_above = std::atof(argv[i + 1]);
     if (name == "--second-rank") options.pids = {getpid(), second_rank()};
   }

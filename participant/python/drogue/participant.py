@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drogue import wire
-from drogue.transport import Lost, Transport
+from drogue.transport import Lost, Transport, TransportFailure
 from drogue.v1 import wire_pb2
 from drogue.v1.wire_pb2 import FieldContract
 
@@ -72,6 +72,7 @@ class InterfaceMesh:
     quadrangles9: np.ndarray = None  # {m, 9}
     reference: np.ndarray = None  # {n, 3}
     material: np.ndarray = None  # {n, 3}
+    velocity: np.ndarray = None  # {n, 3}: at Initialize, of a structure that does not start at rest
     mesh_nodes: np.ndarray = None  # {n}: index of each interface node in the whole mesh
     mesh_node_count: int = 0
     mesh_hash: str = ""
@@ -84,6 +85,7 @@ class Report:
     inner_iterations: int = 0
     inner_residual: float = 0.0
     converged: bool = True
+    fixed_iterations: bool = False  # a fixed number in each call: the coupler judges inner_residual, not converged
 
 
 class Solver:
@@ -222,7 +224,7 @@ class _Server:
         mesh = self.solver.initialize()
         reply.envelope.initialized.mesh_node_count = mesh.mesh_node_count
         reply.envelope.initialized.mesh_hash = mesh.mesh_hash
-        for name, columns in (("points", 3), ("reference", 3), ("material", 3)):
+        for name, columns in (("points", 3), ("reference", 3), ("material", 3), ("velocity", 3)):
             if getattr(mesh, name) is not None:
                 reply.arrays[name] = np.asarray(getattr(mesh, name), dtype=np.float64).reshape(-1, columns)
         for name, columns in (("triangles", 3), ("quadrangles9", 9)):
@@ -250,6 +252,7 @@ class _Server:
         reply.envelope.iterated.inner_iterations = report.inner_iterations
         reply.envelope.iterated.inner_residual = report.inner_residual
         reply.envelope.iterated.converged = report.converged
+        reply.envelope.iterated.fixed_iterations = report.fixed_iterations
 
     def do_commit(self, body, request, reply):
         self.solver.commit(body.write_output)
@@ -314,7 +317,8 @@ def serve(solver, endpoint, participant=None, run_id=None, deadline=None):
     """Connects and serves until Shutdown. Name, run id and deadline in seconds default to what the coupler's launcher
     sets: DROGUE_PARTICIPANT, DROGUE_RUN_ID, DROGUE_PEER_DEADLINE (one hour when not set).
 
-    Raises SolverError, or PeerError when the coupler is gone, silent beyond the deadline, or aborts."""
+    Raises SolverError, or PeerError when the coupler is gone, silent beyond the deadline, or aborts, or
+    TransportFailure."""
     global _transport
     participant = participant or os.environ.get("DROGUE_PARTICIPANT", "")
     run_id = run_id if run_id is not None else os.environ.get("DROGUE_RUN_ID", "")
@@ -346,14 +350,17 @@ def _positive(text):
 
 
 def main(solver, endpoint):
-    """serve() for a program: returns the exit status (0 done, 2 config, 3 numerical, 4 coupler gone) and prints the
-    error."""
+    """serve() for a program: returns the exit status (0 done, 1 internal, 2 config, 3 numerical, 4 coupler gone) and
+    prints the error."""
     try:
         serve(solver, endpoint)
     except PeerError as error:
         print(error, file=sys.stderr)
         return 4
+    except TransportFailure as error:
+        print(error, file=sys.stderr)
+        return 1
     except SolverError as error:
         print(error, file=sys.stderr)
-        return 2 if error.code == Error.CONFIGURATION else 3
+        return {Error.CONFIGURATION: 2, Error.UNSUPPORTED: 2, Error.NUMERICAL: 3}.get(error.code, 1)
     return 0

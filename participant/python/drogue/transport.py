@@ -6,6 +6,7 @@ import queue
 import sys
 import threading
 import time
+import traceback
 from collections import deque
 
 import zmq
@@ -17,11 +18,16 @@ BEAT_INTERVAL = 1.0
 # How long a solver that is in the middle of its work may go on after the coupler is gone.
 GRACE_WITHOUT_COUPLER = 10.0
 SEND_DEADLINE = 30.0
+INTERNAL_STATUS = 1
 PEER_STATUS = 4
 
 
 class Lost(Exception):
     """The coupler is gone, silent, or sent something malformed."""
+
+
+class TransportFailure(Exception):
+    """The thread that talks to the coupler failed: a bug, or something handed to it that cannot be sent."""
 
 
 class Transport:
@@ -37,6 +43,7 @@ class Transport:
         self._stop = threading.Event()
         self._lost = None
         self._lost_at = None
+        self._failed = False
         # Used by the thread alone.
         self._working_on = 0
         self._last_request = None
@@ -60,7 +67,7 @@ class Transport:
             self._socket.connect(self.endpoint)
         except zmq.ZMQError as error:
             raise Lost(f'cannot connect to the coupler at "{self.endpoint}": {error}') from error
-        self._thread = threading.Thread(target=self._loop, name="drogue-transport", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="drogue-transport", daemon=True)
         self._thread.start()
 
     def close(self):
@@ -75,13 +82,13 @@ class Transport:
         self._context.term()
 
     def next_request(self, deadline):
-        """Waits passively for the next request, at most `deadline` seconds. Raises Lost."""
+        """Waits passively for the next request, at most `deadline` seconds. Raises Lost, or TransportFailure."""
         try:
             request = self._incoming.get(timeout=deadline)
         except queue.Empty:
             raise Lost(f"the coupler at {self.endpoint} sent nothing for {deadline:g} s") from None
         if request is None:
-            raise Lost(self._lost)
+            raise TransportFailure(self._lost) if self._failed else Lost(self._lost)
         return request
 
     def post(self, message):
@@ -95,6 +102,19 @@ class Transport:
         """Waits until everything posted was handed to the socket, at most `deadline` seconds."""
         with self._sent:
             self._sent.wait_for(lambda: not self._outgoing or self._lost, deadline)
+
+    def _run(self):
+        """The thread. Whatever ends it early is told to the solver's thread; a solver that stays deep in its work, where
+        nobody can reach it any more, is not left alone with it for long."""
+        try:
+            self._loop()
+        except Exception as error:
+            traceback.print_exc()
+            self._failed = True
+            self._lose(f"the connection to the coupler failed: {type(error).__name__}: {error}")
+            if not self._stop.wait(GRACE_WITHOUT_COUPLER):
+                print(f"{self.participant}: no connection any more: leaving in the middle of the work", file=sys.stderr)
+                os._exit(INTERNAL_STATUS)
 
     def _loop(self):
         poller = zmq.Poller()

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <limits>
+
+#include <sys/resource.h>
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/csv.hpp"
@@ -64,11 +67,50 @@ TEST_F(Io, CsvRowsReadBackExactly) {
   const auto file = folder_ / "new_folder" / "series.csv";
   auto csv = CsvWriter::create(file, {"time", "value"});
   ASSERT_TRUE(csv.ok());
-  csv->row({0, third});
-  csv->row({0.1, tiny});
+  EXPECT_TRUE(csv->row({0, third}).ok());
+  EXPECT_TRUE(csv->row({0.1, tiny}).ok());
   EXPECT_EQ(content(file), "time,value\n0,0.3333333333333333\n0.1,5e-324\n");
   EXPECT_EQ(csv->column_count(), 2U);
   EXPECT_EQ(std::stod("0.3333333333333333"), third);
+}
+
+/// A file may not grow beyond a few bytes while this lives, as on a full disk.
+class SmallFiles {
+ public:
+  explicit SmallFiles(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~SmallFiles() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  SmallFiles(const SmallFiles&) = delete;
+  SmallFiles& operator=(const SmallFiles&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = nullptr;
+};
+
+TEST_F(Io, ACsvRowThatDoesNotFitOnTheDiskIsAnError) {
+  const auto file = folder_ / "series.csv";
+  auto csv = CsvWriter::create(file, {"time"});
+  ASSERT_TRUE(csv.ok());
+  Result<void> second, third;
+  {
+    const SmallFiles full(9);
+    EXPECT_TRUE(csv->row({1.5}).ok());
+    second = csv->row({2.5});
+  }
+  third = csv->row({3.5});
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(second.error().message, HasSubstr(file.string()));
+  EXPECT_FALSE(third.ok()) << "a series with a hole is not a series";
+  EXPECT_EQ(content(file), "time\n1.5\n");
+  EXPECT_FALSE(CsvWriter::create("/dev/full", {"time"}).ok());
 }
 
 State sample() {

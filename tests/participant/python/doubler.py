@@ -32,6 +32,9 @@ class Doubler(Solver):
         if force[0, 0] == 3:
             report_progress("sleeping", 7, 0.25)
             time.sleep(1.8)
+        if force[0, 0] == 6:
+            report_progress(6)  # not a text: the beat cannot be made
+            time.sleep(1.8)
         if force[0, 0] == 4:
             raise ValueError("a bug")
         if force[0, 0] == 5:

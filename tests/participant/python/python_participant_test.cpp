@@ -156,7 +156,7 @@ TEST_F(PythonPeer, RefusesWhatDoesNotFitAndGoesOn) {
   EXPECT_EQ(early.envelope.error().message(), "Commit is not allowed in state READY");
   EXPECT_EQ(request([](v1::Envelope& e) { e.mutable_checkpoint(); }).envelope.error().message(),
             "this participant cannot checkpoint");
-  EXPECT_EQ(wait_for_exit(), 3);
+  EXPECT_EQ(wait_for_exit(), 2);
 }
 
 TEST_F(PythonPeer, ChecksInputs) {
@@ -219,7 +219,19 @@ TEST_F(PythonPeer, ABugInTheSolverReachesTheCoupler) {
   EXPECT_EQ(broken.envelope.error().code(), v1::Error::INTERNAL);
   EXPECT_FALSE(broken.envelope.error().retryable());
   EXPECT_EQ(broken.envelope.error().message(), "ValueError: a bug");
-  EXPECT_EQ(wait_for_exit(), 3);
+  EXPECT_EQ(wait_for_exit(), 1);
+}
+
+TEST_F(PythonPeer, AFailureOfItsConnectionEndsIt) {
+  start_doubler();
+  begin_step();
+  wire::Message m;
+  m.envelope.set_run_id("run-1");
+  m.envelope.set_request_id(++id_);
+  m.envelope.mutable_iterate();
+  m.floats["force"] = {{2, 3}, {6, 0, 0, 0, 0, 0}};
+  EXPECT_TRUE(wire::send(router_, participant_, m, 1s).ok());
+  EXPECT_EQ(wait_for_exit(), 1);
 }
 
 TEST_F(PythonPeer, AnOutputOfTheWrongShapeEndsIt) {
