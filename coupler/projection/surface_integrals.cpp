@@ -75,4 +75,15 @@ void SurfaceIntegrals::mean(std::span<const double> v, int components,
     for (std::size_t j = 0; j < c; ++j) result[j] += integral_[i] * v[i * c + j] / area_;
 }
 
+Eigen::Vector3d vector_area(const Surface& surface, std::span<const double> x) {
+  const Elements elements(surface);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::int32_t e = 0; e < elements.count(); ++e) {
+    const NodeMatrix nodes = gather(elements.nodes(e), x);
+    for (const fem::SurfacePoint& q : fem::surface_quadrature(elements.kind(e), degree))
+      sum += q.weight * area_vector(fem::surface_shape(elements.kind(e), q.xi, q.eta), nodes);
+  }
+  return sum;
+}
+
 } // namespace drogue::projection

@@ -37,4 +37,8 @@ class SurfaceIntegrals {
   std::vector<double> lumped_;
 };
 
+/// int n dA over the surface with its nodes at `x`, {n, 3}: what a uniform pressure of 1 pulls with. Its
+/// component along a direction is the area projected along it; zero for a closed surface [area].
+[[nodiscard]] Eigen::Vector3d vector_area(const Surface& surface, std::span<const double> x);
+
 } // namespace drogue::projection

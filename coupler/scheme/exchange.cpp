@@ -71,6 +71,12 @@ Vector3 Exchange::mean(std::span<const double> field) const {
   return m;
 }
 
+Vector3 Exchange::vector_area(std::span<const double> d) const {
+  std::vector<double> x = interface_.structure.points;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += d[i];
+  return to_array(projection::vector_area(interface_.structure, x));
+}
+
 Result<FloatArray> Exchange::move_mesh(const Station& at, std::span<const double> d,
                                        IterationRecord& record) {
   DROGUE_TRY(interface_.field.apply(d, fluid_d_));

@@ -31,6 +31,8 @@ class Exchange {
   /// L2 norm on the structure's surface over the square root of its area, and area-weighted mean.
   [[nodiscard]] double norm(std::span<const double> field) const { return surface_.norm(field, 3); }
   [[nodiscard]] Vector3 mean(std::span<const double> field) const;
+  /// int n dA over the structure's surface displaced by d.
+  [[nodiscard]] Vector3 vector_area(std::span<const double> d) const;
   /// Lumped areas, one a node, for inner products.
   [[nodiscard]] std::span<const double> areas() const { return surface_.lumped_area(); }
   [[nodiscard]] std::size_t structure_size() const { return 3 * surface_.lumped_area().size(); }

@@ -31,10 +31,11 @@ Result<Results> Results::create(const std::filesystem::path& run_directory) {
                                                                          "inner_converged"});
   if (!coupling) return coupling.error();
   results.coupling_ = std::move(*coupling);
-  auto drag = io::CsvWriter::create(run_directory / "drag.csv",
-                                    {"time", "force_x", "force_y", "force_z", "cd", "load_factor",
-                                     "mean_displacement_x", "mean_displacement_y", "mean_displacement_z",
-                                     "iterations", "converged"});
+  auto drag =
+      io::CsvWriter::create(run_directory / "drag.csv",
+                            {"time", "force_x", "force_y", "force_z", "cd", "load_factor",
+                             "mean_displacement_x", "mean_displacement_y", "mean_displacement_z",
+                             "vector_area_x", "vector_area_y", "vector_area_z", "iterations", "converged"});
   if (!drag) return drag.error();
   results.drag_ = std::move(*drag);
   return results;
@@ -69,8 +70,8 @@ Result<void> Results::iteration(const IterationRecord& r) {
 
 Result<void> Results::step(const StepRecord& r) {
   return drag_.row({r.time, r.force[0], r.force[1], r.force[2], r.drag_coefficient, r.load_factor,
-                    r.mean_displacement[0], r.mean_displacement[1], r.mean_displacement[2], r.iterations,
-                    r.converged});
+                    r.mean_displacement[0], r.mean_displacement[1], r.mean_displacement[2], r.vector_area[0],
+                    r.vector_area[1], r.vector_area[2], r.iterations, r.converged});
 }
 
 } // namespace drogue::coupler

@@ -38,6 +38,7 @@ struct StepRecord {
   double drag_coefficient = 0;
   double load_factor = 1;
   Vector3 mean_displacement{}; ///< area-weighted, since Initialize
+  Vector3 vector_area{};       ///< int n dA over the structure's current surface: projected areas
   double iterations = 0;
   double converged = 1;
 };

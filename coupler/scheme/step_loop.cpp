@@ -206,6 +206,7 @@ Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double 
   for (std::size_t i = 0; i < 3; ++i) s.drag_coefficient += settings_.drag_weights[i] * s.force[i];
   s.load_factor = settings_.load_factor(0, 0, 0, s.time);
   s.mean_displacement = exchange_.mean(n_.d);
+  s.vector_area = exchange_.vector_area(n_.d);
   s.iterations = outcome.iterations;
   s.converged = outcome.converged ? 1 : 0;
   return results_.step(s);

@@ -53,6 +53,11 @@ def main(run):
     # The lines hold what the air gives, up to the canopy's inertia.
     lines, air = mean(structure[-steps:][settled], "reaction_confluence_z"), mean(drag[settled], "force_z")
     table.between("line_force_over_drag", -lines / air, 0.95, 1.05)
+    # The canopy breathes but stays inflated: the area it shows the wind, over the mean, and its change over the run.
+    shown = [row["vector_area_z"] for row in drag]
+    mean_shown = sum(shown) / steps
+    table.between("smallest_projected_area", min(shown) / mean_shown, 0.8, 1)
+    table.between("breathing_of_projected_area", (max(shown) - min(shown)) / mean_shown, 1e-4, 0.3)
     table.between("slack_cables", max(row["slack_fraction"] for row in structure[-steps:][settled]), 0, 0.05)
     table.between("smallest_volume_ratio", min(row["smallest_volume_ratio"] for row in coupling), 0.05, 2)
     return 0 if table.passed else 1

@@ -125,6 +125,23 @@ TEST(Complete, RefusesWhatIsNoSurface) {
   EXPECT_TRUE(refused(s));
 }
 
+// A surface's vector area is that of any other with the same rim: a hemisphere of facets has its equator's
+// polygon's.
+TEST(SurfaceIntegrals, VectorAreaIsThatOfTheRim) {
+  const int m = 12;
+  const Surface dome = lat_long_hemisphere(m);
+  const Eigen::Vector3d area = vector_area(dome, dome.points);
+  const double polygon = 0.5 * 4 * m * std::sin(2 * std::numbers::pi / (4 * m));
+  EXPECT_NEAR(area.z(), polygon, 1e-12);
+  EXPECT_NEAR(area.head<2>().norm(), 0, 1e-12);
+  const Surface closed = sphere(6);
+  EXPECT_NEAR(vector_area(closed, closed.points).norm(), 0, 1e-12);
+  const Surface flat = plate(ElementKind::quad9, 3);
+  std::vector<double> doubled = flat.points;
+  for (double& x : doubled) x *= 2;
+  EXPECT_NEAR(vector_area(flat, doubled).z(), 4, 1e-12);
+}
+
 TEST(SurfaceIntegrals, NormAndMeanOfFieldsOfEveryKind) {
   for (const ElementKind kind : all_kinds) {
     Surface s = plate(kind, 5);
