@@ -85,9 +85,14 @@ Result<void> FlowRun::open_results(const std::filesystem::path& directory) {
   return agree(done);
 }
 
-Result<StepFigures> FlowRun::finish_step(bool write_fields) {
+Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_tolerance) {
   const auto newton = solver_.finish();
   if (!newton) return newton.error();
+  if (!newton->converged && newton->residual > failure_tolerance)
+    return numerical_error(
+        "after {} Newton iterations the residual is {:.2e} of the first (the worst was {:.2e}), above "
+        "failure_tolerance {:.2e}; use a smaller step",
+        newton->iterations, newton->residual, newton->worst, failure_tolerance);
   StepFigures figures;
   figures.newton = *newton;
   figures.forces = surface_forces(input_.settings, input_.mesh, solver_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -34,9 +35,12 @@ class FlowRun {
   [[nodiscard]] Result<void> open_results(const std::filesystem::path& directory);
   [[nodiscard]] FlowSolver& solver() { return solver_; }
   [[nodiscard]] const FlowSolver& solver() const { return solver_; }
-  /// After the last newton() of a step: forces and figures, commit, files. @note Collective
-  [[nodiscard]] Result<StepFigures> finish_step(bool write_fields);
-  /// The last state's fields, unless they are written. @note Collective
+  /// After the last newton() of a step: judgement, forces and figures, commit, files. Errors
+  /// (ErrorKind::numerical), with nothing committed or written: not converged, and the residual above
+  /// `failure_tolerance` of the first. @note Collective
+  [[nodiscard]] Result<StepFigures>
+  finish_step(bool write_fields, double failure_tolerance = std::numeric_limits<double>::infinity());
+  /// The last committed state's fields, unless they are written. @note Collective
   [[nodiscard]] Result<void> write_last_fields();
   /// @note Collective
   [[nodiscard]] Result<void> write_state(const std::filesystem::path& file);

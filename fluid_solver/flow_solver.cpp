@@ -160,6 +160,7 @@ Result<double> FlowSolver::evaluate(bool jacobian) {
   if (!norm) return norm;
   if (!first_residual_) first_residual_ = *norm;
   total_.residual = *first_residual_ > 0 ? *norm / *first_residual_ : 0;
+  total_.worst = std::max(total_.worst, total_.residual);
   total_.converged = total_.residual <= settings_.newton.residual_tolerance || *norm <= residual_floor_;
   return norm;
 }

@@ -32,6 +32,7 @@ struct NewtonReport {
   int iterations = 0;
   int linear_iterations = 0;
   double residual = 0; ///< last evaluated, relative to the first of the step
+  double worst = 0;    ///< largest so far in the step, relative to the first
   bool converged = false;
   bool linear_converged = true;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/log.hpp"
 #include "common/la_krylov/session.hpp"
 
 namespace drogue::fluid {
@@ -125,6 +126,9 @@ Result<void> serve_flow(const Case& input, const std::string& endpoint) {
   auto pids = la::process_ids();
   Order order;
   if (la::rank() == 0) {
+    for (const std::string& field : input.settings.alone_only)
+      spdlog::warn("{}: {} is not used in a coupled run: the coupler sets folder and steps",
+                   input.settings.source.where(field), field);
     FluidParticipant solver(input, flow, std::move(pids));
     auto served = participant::serve(solver, participant::serve_options_from_environment(endpoint));
     broadcast(order); // stop

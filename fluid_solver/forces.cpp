@@ -7,6 +7,29 @@
 #include "fluid_solver/flow_fields.hpp"
 
 namespace drogue::fluid {
+namespace {
+
+/// Adds int (x - about) x t over a face, t = p n + viscous traction [stress / density]. By the middles of the
+/// sides: degree 2, as x p is.
+void add_moment(const FaceTraction& t, const BoundaryFace& face, std::span<const double> x,
+                std::span<const double> p, const ForceSettings& report, double density,
+                std::array<double, 3>& moment) {
+  const auto normal = area_vector(face, x);
+  for (std::size_t side = 0; side < 3; ++side) {
+    const auto a = static_cast<std::size_t>(face.nodes[side]);
+    const auto b = static_cast<std::size_t>(face.nodes[(side + 1) % 3]);
+    double arm[3];
+    double force[3];
+    for (std::size_t d = 0; d < 3; ++d) {
+      arm[d] = 0.5 * (x[3 * a + d] + x[3 * b + d]) - report.moment_about[d];
+      force[d] = density / 3 * (0.5 * (p[a] + p[b]) * normal[d] + t.area * t.viscous[d]);
+    }
+    for (std::size_t d = 0; d < 3; ++d)
+      moment[d] += arm[(d + 1) % 3] * force[(d + 2) % 3] - arm[(d + 2) % 3] * force[(d + 1) % 3];
+  }
+}
+
+} // namespace
 
 std::vector<SurfaceForce> surface_forces(const Settings& settings, const FluidMesh& mesh,
                                          const FlowSolver& solver) {
@@ -28,6 +51,7 @@ std::vector<SurfaceForce> surface_forces(const Settings& settings, const FluidMe
         force.pressure[d] += settings.density * t.area * t.pressure[d];
         force.viscous[d] += settings.density * t.area * t.viscous[d];
       }
+      add_moment(t, face, data.x_np1, p, report, settings.density, force.moment);
     }
     for (const std::int32_t node : mesh.nodes_of(boundaries)) {
       if (!own.has(node)) continue;

@@ -17,6 +17,13 @@ struct SurfaceForce {
   std::array<double, 3> reaction{};
   std::array<double, 3> pressure{}; ///< integral of p n at t_{n+1}
   std::array<double, 3> viscous{};  ///< integral of the viscous traction at t_{n+1}
+  /// Integral of (x - x_0) x (p n + viscous traction) at t_{n+1}, exact on linear faces; x_0 the point of the
+  /// report [force times length].
+  std::array<double, 3> moment{};
+
+  [[nodiscard]] std::array<double, 3> total() const {
+    return {pressure[0] + viscous[0], pressure[1] + viscous[1], pressure[2] + viscous[2]};
+  }
 };
 
 /// One entry for each of the settings' force reports. @pre finish() of this step. @note Collective

@@ -11,7 +11,7 @@ namespace {
 std::vector<std::string> force_columns(const Settings& settings) {
   std::vector<std::string> columns{"time"};
   for (const ForceSettings& force : settings.forces) {
-    for (const char* part : {"pressure", "viscous", "reaction"})
+    for (const char* part : {"pressure", "viscous", "total", "moment", "reaction"})
       for (const char* axis : {"x", "y", "z"})
         columns.push_back(fmt::format("{}_{}_{}", force.name, part, axis));
     if (force.reference_force > 0)
@@ -59,23 +59,26 @@ Result<Results> Results::create(const Settings& settings, const FluidMesh& mesh,
 }
 
 Result<void> Results::write_series(const FlowState& state, const StepFigures& f) {
+  std::vector<double> row{state.time};
+  if (probe_series_) { // every step
+    const std::vector<double> values = probes_.values(state.u, state.p, settings_->density);
+    row.insert(row.end(), values.begin(), values.end());
+    DROGUE_TRY(probe_series_->row(row));
+  }
   if (state.step % static_cast<std::uint64_t>(settings_->output.series_interval) != 0) return {};
   DROGUE_TRY(flow_.row({static_cast<double>(state.step), state.time, static_cast<double>(f.newton.iterations),
                         f.newton.residual, static_cast<double>(f.newton.linear_iterations), f.cfl,
                         f.mass_imbalance}));
-  std::vector<double> row{state.time};
+  row = {state.time};
   for (std::size_t i = 0; i < f.forces.size(); ++i) {
     const SurfaceForce& force = f.forces[i];
-    for (const auto* part : {&force.pressure, &force.viscous, &force.reaction})
+    const std::array<double, 3> total = force.total();
+    for (const auto* part : {&force.pressure, &force.viscous, &total, &force.moment, &force.reaction})
       row.insert(row.end(), part->begin(), part->end());
     if (const double reference = settings_->forces[i].reference_force; reference > 0)
-      for (std::size_t d = 0; d < 3; ++d) row.push_back((force.pressure[d] + force.viscous[d]) / reference);
+      for (std::size_t d = 0; d < 3; ++d) row.push_back(total[d] / reference);
   }
-  DROGUE_TRY(forces_.row(row));
-  if (!probe_series_) return {};
-  row = probes_.values(state.u, state.p, settings_->density);
-  row.insert(row.begin(), state.time);
-  return probe_series_->row(row);
+  return forces_.row(row);
 }
 
 Result<void> Results::write_fields(const FlowState& state, bool force) {

@@ -28,7 +28,7 @@ class Results {
  public:
   [[nodiscard]] static Result<Results> create(const Settings& settings, const FluidMesh& mesh,
                                               const std::filesystem::path& directory);
-  /// A row of each series, when the step is due.
+  /// The probes' values, and a row of the other series when the step is due.
   [[nodiscard]] Result<void> write_series(const FlowState& state, const StepFigures& figures);
   /// Fields, when the step is due or `force` is set; never twice for a step, never with field_interval 0.
   [[nodiscard]] Result<void> write_fields(const FlowState& state, bool force);

@@ -116,8 +116,20 @@ void load_forces(const v1::FluidConfig& m, Settings& s, config::Report& report) 
     const double speed = f.reference_speed();
     s.forces.push_back({f.name(),
                         {f.boundary().begin(), f.boundary().end()},
-                        0.5 * s.density * speed * speed * f.reference_area()});
+                        0.5 * s.density * speed * speed * f.reference_area(),
+                        {f.moment_about().x(), f.moment_about().y(), f.moment_about().z()}});
   }
+}
+
+/// What only a stand-alone run uses: the coupler sets folder and steps.
+std::vector<std::string> alone_only(const v1::FluidConfig& m) {
+  std::vector<std::string> fields;
+  if (m.output().has_directory()) fields.emplace_back("output.directory");
+  for (int i = 0; i < m.phase_size(); ++i) {
+    if (m.phase(i).has_step()) fields.push_back(fmt::format("phase[{}].step", i));
+    if (m.phase(i).has_steps()) fields.push_back(fmt::format("phase[{}].steps", i));
+  }
+  return fields;
 }
 
 } // namespace
@@ -128,7 +140,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.source = config::load(file, m, report);
   s.mesh = s.source.resolve(m.mesh());
   if (m.has_initial_state()) s.initial_state = s.source.resolve(m.initial_state());
-  if (m.has_final_state()) s.final_state = s.source.resolve(m.final_state());
+  if (m.has_final_state()) s.final_state = m.final_state();
   s.initial_velocity = expression(m.initial_velocity());
   s.initial_pressure = expression(m.initial_pressure());
   s.density = m.density();
@@ -146,6 +158,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   load_forces(m, s, report);
   s.output = {m.output().directory(), m.output().field_interval(), m.output().series_interval()};
   for (const v1::Probe& p : m.probe()) s.probes.push_back({p.name(), {p.x(), p.y(), p.z()}});
+  s.alone_only = alone_only(m);
   return s;
 }
 

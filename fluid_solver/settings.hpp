@@ -51,6 +51,7 @@ struct ForceSettings {
   std::vector<std::string> boundaries;
   /// 1/2 rho U^2 A; 0: no coefficient
   double reference_force = 0;
+  std::array<double, 3> moment_about{};
 };
 
 struct ProbeSettings {
@@ -88,6 +89,8 @@ struct Settings {
   std::vector<ForceSettings> forces;
   OutputSettings output;
   std::vector<ProbeSettings> probes;
+  /// Paths of the fields given in the config that a coupled run does not use.
+  std::vector<std::string> alone_only;
 
   [[nodiscard]] double kinematic_viscosity() const { return dynamic_viscosity / density; }
 };

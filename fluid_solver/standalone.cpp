@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/la_krylov/session.hpp"
 
@@ -48,6 +49,11 @@ Result<void> move_mesh(const PhaseSettings& phase, const FluidMesh& mesh, FlowSo
 class Progress {
  public:
   explicit Progress(int steps) : steps_(steps), terminal_(isatty(STDERR_FILENO) != 0) {}
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() { // what follows starts on a line of its own
+    if (terminal_ && done_ > 0 && done_ < steps_) fmt::print(stderr, "\n");
+  }
 
   void step(const FlowState& state, const StepFigures& f, const Settings& settings) {
     ++done_;
@@ -82,19 +88,35 @@ class Progress {
 Result<StepFigures> one_step(const PhaseSettings& phase, const Case& input, FlowRun& run) {
   FlowSolver& solver = run.solver();
   const NewtonSettings& newton = input.settings.newton;
-  if (const auto done = solver.begin_step(phase.formulation, phase.step); !done) return done.error();
-  if (const auto done = move_mesh(phase, input.mesh, solver); !done) return done.error();
+  DROGUE_TRY(solver.begin_step(phase.formulation, phase.step));
+  DROGUE_TRY(move_mesh(phase, input.mesh, solver));
   if (const auto done = solver.newton(newton.max_iterations); !done) return done.error();
-  auto figures = run.finish_step(true);
-  if (!figures) return figures;
-  const NewtonReport& report = figures->newton;
-  if (!report.converged && report.residual > newton.failure_tolerance)
-    return numerical_error(
-        "step {} at t = {:.6g} failed: after {} Newton iterations the residual is {:.2e} of the "
-        "first, above failure_tolerance {:.2e}; use a smaller step",
-        solver.state().step, solver.state().time, report.iterations, report.residual,
-        newton.failure_tolerance);
-  return figures;
+  return run.finish_step(true, newton.failure_tolerance);
+}
+
+/// All phases; stops between two steps when a signal has come.
+Result<void> all_steps(const Case& input, FlowRun& run) {
+  int steps = 0;
+  for (const PhaseSettings& phase : input.settings.phases) steps += phase.steps;
+  Progress progress(steps);
+  int done = 0;
+  for (const PhaseSettings& phase : input.settings.phases)
+    for (int k = 0; k < phase.steps; ++k) {
+      const FlowState& state = run.solver().state();
+      const auto figures = one_step(phase, input, run);
+      if (!figures) {
+        Error error = figures.error();
+        error.message = fmt::format("step {} to t = {:.6g} failed: {}", state.step + 1,
+                                    state.time + phase.step, error.message);
+        return error;
+      }
+      ++done;
+      if (la::rank() == 0) progress.step(state, *figures, input.settings);
+      if (!la::on_every_rank(!interrupted()) && done < steps)
+        return Error{ErrorKind::interrupted,
+                     fmt::format("interrupted after step {} at t = {:.6g}", state.step, state.time)};
+    }
+  return {};
 }
 
 } // namespace
@@ -103,18 +125,17 @@ Result<void> run_standalone(const Case& input) {
   FlowRun run(input);
   DROGUE_TRY(run.start());
   DROGUE_TRY(run.open_results(input.settings.output.directory));
-  int steps = 0;
-  for (const PhaseSettings& phase : input.settings.phases) steps += phase.steps;
-  Progress progress(steps);
-  for (const PhaseSettings& phase : input.settings.phases)
-    for (int k = 0; k < phase.steps; ++k) {
-      const auto figures = one_step(phase, input, run);
-      if (!figures) return figures.error();
-      if (la::rank() == 0) progress.step(run.solver().state(), *figures, input.settings);
-    }
+  Result<void> outcome = all_steps(input, run);
+  // What was reached is kept, whatever ended the run.
   DROGUE_TRY(run.write_last_fields());
   if (input.settings.final_state) DROGUE_TRY(run.write_state(*input.settings.final_state));
-  return {};
+  if (outcome) return outcome;
+  Error error = outcome.error();
+  const FlowState& state = run.solver().state();
+  if (input.settings.final_state)
+    error.message += fmt::format("; the state after step {} at t = {:.6g} is in {}", state.step, state.time,
+                                 input.settings.final_state->string());
+  return error;
 }
 
 } // namespace drogue::fluid

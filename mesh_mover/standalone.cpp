@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_mover/standalone.hpp"
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "mesh_mover/results.hpp"
 
@@ -42,8 +43,13 @@ Result<void> run_standalone(Case input) {
                  "one, worst "
                  "mean ratio {:.3g}",
                  step, time, report->iterations, report->residual, q.min_volume_ratio, q.worst_mean_ratio);
-    DROGUE_TRY(
-        results->write(mover, static_cast<std::uint64_t>(step), time, *report, step == settings.steps));
+    const bool stop = interrupted();
+    DROGUE_TRY(results->write(mover, static_cast<std::uint64_t>(step), time, *report,
+                              stop || step == settings.steps));
+    if (stop && step < settings.steps)
+      return Error{ErrorKind::interrupted,
+                   fmt::format("interrupted after step {} (time {:.6g}) of {}; its mesh is written", step,
+                               time, settings.steps)};
   }
   return {};
 }

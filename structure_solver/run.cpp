@@ -2,8 +2,8 @@
 #include "structure_solver/run.hpp"
 
 #include <algorithm>
-#include <csignal>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "structure_solver/progress.hpp"
 #include "structure_solver/results.hpp"
@@ -11,12 +11,6 @@
 
 namespace drogue::structure {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-
-extern "C" void note_signal(int) {
-  interrupted = 1;
-}
 
 /// The step of damped dynamics: grows after easy steps, shrinks after hard or failed ones.
 constexpr double growth = 1.25, hard_shrink = 0.7, failed_shrink = 0.5;
@@ -62,7 +56,7 @@ class Run {
             "the residual {:.3g} of the step's first; use a smaller time.step",
             integrator_.trial().time, outcome->iterations, outcome->correction, outcome->residual);
       DROGUE_TRY(accept(*outcome, case_.start.step + static_cast<std::uint64_t>(time.steps)));
-      if (interrupted) return stopped();
+      if (interrupted()) return stopped();
     }
     return {};
   }
@@ -85,7 +79,7 @@ class Run {
       }
       DROGUE_TRY(accept(*outcome, 0));
       if (unbalance_ < time.unbalance) return {};
-      if (interrupted) return stopped();
+      if (interrupted()) return stopped();
       if (outcome->iterations <= easy_iterations) dt = std::min(time.largest_step, growth * dt);
       if (outcome->iterations > hard_iterations) dt *= hard_shrink;
     }
@@ -127,9 +121,6 @@ class Run {
 } // namespace
 
 Result<void> run(const Case& c) {
-  interrupted = 0;
-  std::signal(SIGINT, note_signal);
-  std::signal(SIGTERM, note_signal);
   return Run(c)();
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <csignal>
 #include <cstring>
 #include <vector>
 
@@ -22,6 +23,19 @@ void use_one_blas_thread() {
 }
 
 namespace {
+
+/// Puts the program's action on SIGTERM back as it was: METIS, which orders for CHOLMOD, returns it as one
+/// that serves once.
+class KeptSignals {
+ public:
+  KeptSignals() { sigaction(SIGTERM, nullptr, &terminate_); }
+  ~KeptSignals() { sigaction(SIGTERM, &terminate_, nullptr); }
+  KeptSignals(const KeptSignals&) = delete;
+  KeptSignals& operator=(const KeptSignals&) = delete;
+
+ private:
+  struct sigaction terminate_ = {};
+};
 
 /// While it lives, OpenMP regions run on the thread that meets them. CHOLMOD copies even its smallest fronts
 /// in regions of four threads, whatever the environment says; their start and their spinning took half of the
@@ -102,6 +116,7 @@ Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
   State& s = *state_;
   cholmod_sparse a = view(A);
   if (!s.factor) {
+    const KeptSignals kept;
     s.factor = cholmod_analyze(&a, &s.common);
     if (!s.factor) return internal_error("CHOLMOD cannot analyse the matrix (status {})", s.common.status);
     s.n = static_cast<int>(A.rows());

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 
 namespace drogue {
@@ -29,6 +30,7 @@ int run_solver_program(const SolverProgram& program, int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorKind::config);
   }
   start_log(program.name);
+  if (run->parsed()) catch_interrupts();
   const Result<void> done = check->parsed()
                                 ? program.check(file, participant ? Role::participant : Role::alone)
                                 : program.run(file, endpoint);

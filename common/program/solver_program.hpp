@@ -17,6 +17,7 @@ struct SolverProgram {
   /// `NAME check FILE`: validates a config; for a coupled run with `--participant`, or when the environment
   /// holds DROGUE_PARTICIPANT, as the coupler's checks do.
   std::function<Result<void>(const std::string& file, Role role)> check;
+  /// SIGINT and SIGTERM are caught (common/base/interrupt.hpp): the run ends itself, in order.
   /// `NAME run FILE`: alone when `endpoint` is empty; `NAME run FILE --connect ENDPOINT`: as a participant.
   std::function<Result<void>(const std::string& file, const std::string& endpoint)> run;
   /// Whether this process prints errors: one rank of an MPI job does.

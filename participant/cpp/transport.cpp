@@ -2,12 +2,14 @@
 #include "participant/cpp/transport.hpp"
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <span>
 
 #include <spdlog/spdlog.h>
 
+#include "common/base/interrupt.hpp"
 #include "participant/cpp/protocol_state.hpp"
 
 namespace drogue::participant {
@@ -17,6 +19,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr auto beat_interval = std::chrono::seconds(1);
+/// How soon a wait notices a signal.
+constexpr auto interrupt_interval = std::chrono::milliseconds(100);
 /// How long a solver that is in the middle of its work may go on after the coupler is gone.
 constexpr auto grace_without_coupler = std::chrono::seconds(10);
 constexpr int last_answer_linger = 2000; // ms
@@ -89,10 +93,15 @@ Result<void> Transport::start() {
 }
 
 Result<wire::Message> Transport::next_request(std::chrono::seconds deadline) {
+  const auto end = std::chrono::steady_clock::now() + deadline;
   std::unique_lock lock(mutex_);
-  if (!incoming_ready_.wait_for(lock, deadline, [this] { return !incoming_.empty() || !lost_.empty(); }))
-    return peer_error("{}: the coupler at {} sent nothing for {} s", participant_, endpoint_,
-                      deadline.count());
+  const auto ready = [this] { return !incoming_.empty() || !lost_.empty() || interrupted(); };
+  while (!incoming_ready_.wait_for(lock, interrupt_interval, ready))
+    if (std::chrono::steady_clock::now() >= end)
+      return peer_error("{}: the coupler at {} sent nothing for {} s", participant_, endpoint_,
+                        deadline.count());
+  if (interrupted())
+    return Error{ErrorKind::interrupted, fmt::format("{}: interrupted by a signal", participant_)};
   if (incoming_.empty()) return peer_error("{}: {}", participant_, lost_);
   wire::Message request = std::move(incoming_.front());
   incoming_.pop_front();
@@ -117,6 +126,11 @@ void Transport::flush(milliseconds deadline) {
 }
 
 void Transport::loop() {
+  sigset_t for_the_program; // signals go to the other threads: here one would end a poll
+  sigemptyset(&for_the_program);
+  sigaddset(&for_the_program, SIGINT);
+  sigaddset(&for_the_program, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &for_the_program, nullptr);
   std::array<zmq::pollitem_t, 3> items{{{socket_.handle(), 0, ZMQ_POLLIN, 0},
                                         {wake_out_.handle(), 0, ZMQ_POLLIN, 0},
                                         {monitor_.handle(), 0, ZMQ_POLLIN, 0}}};

@@ -29,7 +29,8 @@ class Transport {
 
   /// Connects and starts the thread.
   [[nodiscard]] Result<void> start();
-  /// Waits passively for the next request. Errors (ErrorKind::peer): silence for `deadline`, a lost coupler.
+  /// Waits passively for the next request. Errors (ErrorKind::peer): silence for `deadline`, a lost coupler;
+  /// interrupted: a signal came (common/base/interrupt.hpp).
   [[nodiscard]] Result<wire::Message> next_request(std::chrono::seconds deadline);
   /// Queues a message to the coupler and wakes the thread; fills in run and participant. For the solver's
   /// thread.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "fluid_solver/coupled_flow.hpp"
 #include "fluid_solver/flow_fields.hpp"
@@ -64,7 +65,8 @@ TEST(Forces, WallsOfAClosedBoxCarryTheWeight) {
   Settings s = tight_settings(0.1);
   velocity_all_around(s, "0", "0", "0");
   s.body_force = vector_expression("0", "0", "-9.81");
-  s.forces = {{"walls", {"x0", "x1", "y0", "y1", "z0", "z1"}, 0}};
+  const std::vector<std::string> walls{"x0", "x1", "y0", "y1", "z0", "z1"};
+  s.forces = {{"walls", walls, 0}, {"walls_about_the_middle", walls, 0, {0.5, 0.5, 0.7}}};
   const auto mesh = FluidMesh::create(box_mesh({3, 3, 4}, {1, 1, 1.5}));
   ASSERT_TRUE(mesh.ok());
   for (const Formulation formulation : {Formulation::semi_discrete, Formulation::dsd_sst}) {
@@ -78,6 +80,11 @@ TEST(Forces, WallsOfAClosedBoxCarryTheWeight) {
     EXPECT_NEAR(forces[0].reaction[2], -weight, 1e-7);
     EXPECT_NEAR(forces[0].reaction[0], 0, 1e-7);
     EXPECT_NEAR(forces[0].viscous[2], 0, 1e-7);
+    const double moment[3] = {-0.5 * weight, 0.5 * weight, 0}; // of the weight in (0.5, 0.5)
+    for (std::size_t d = 0; d < 3; ++d) {
+      EXPECT_NEAR(forces[0].moment[d], moment[d], 1e-7);
+      EXPECT_NEAR(forces[1].moment[d], 0, 1e-7);
+    }
   }
 }
 
@@ -96,6 +103,8 @@ TEST(Forces, ShearFlowDragsTheWall) {
   const double drag = 0.3 * 4 * 2; // mu gamma A
   EXPECT_NEAR(forces[0].viscous[0], drag, 1e-9);
   EXPECT_NEAR(forces[0].reaction[0], drag, 1e-8);
+  EXPECT_NEAR(forces[0].moment[1], 0.5 * drag, 1e-8); // the wall's middle has z = 0.5
+  EXPECT_NEAR(forces[1].moment[2], drag, 1e-8);       // and the upper one y = 1
   EXPECT_NEAR(forces[1].viscous[0], -drag, 1e-9);
   EXPECT_NEAR(forces[1].reaction[0], -drag, 1e-8);
 }
@@ -154,35 +163,70 @@ TEST(Restart, AStateOfAnotherMeshIsRefused) {
   EXPECT_NE(done.error().message.find("another mesh"), std::string::npos);
 }
 
+/// A coupled channel whose wall at x = 0 moves in, the far side stays.
+class CoupledChannel {
+ public:
+  CoupledChannel() {
+    input_.settings = channel();
+    input_.settings.interface = {"x0"};
+    auto mesh = FluidMesh::create(box_mesh({4, 3, 6}, {1, 1, 2}));
+    EXPECT_TRUE(mesh.ok());
+    input_.mesh = std::move(*mesh);
+    flow_.emplace(input_);
+    order({Order::Kind::initialize, {}, {}});
+  }
+  void order(const Order& order) { EXPECT_TRUE(flow_->execute(order).ok()); }
+  void begin(int step) { order({Order::Kind::begin_step, {0.02 * (step - 1), 0.02, 1.0 * step}, {}}); }
+  std::vector<double> iterate(double amount) {
+    const std::size_t n = 3 * static_cast<std::size_t>(input_.mesh.node_count());
+    const std::size_t k = 3 * flow_->interface_file_nodes().size();
+    Order iterate{Order::Kind::iterate, std::vector<double>(1 + n + k, 0.0), {}};
+    for (std::size_t i = 0; i < n; i += 3) iterate.numbers[1 + i] = amount * (1 - input_.mesh.file.points[i]);
+    for (std::size_t i = 0; i < k; i += 3) iterate.numbers[1 + n + i] = amount / 0.02;
+    order(iterate);
+    return flow_->load();
+  }
+
+ private:
+  Case input_;
+  std::optional<CoupledFlow> flow_;
+};
+
 /// The participant's promise: the same inputs after rollback give the same loads to the bit.
 TEST(CoupledFlow, IteratesAreRepeatableAfterRollback) {
-  Case input;
-  input.settings = channel();
-  input.settings.interface = {"x0"};
-  auto mesh = FluidMesh::create(box_mesh({4, 3, 6}, {1, 1, 2}));
-  ASSERT_TRUE(mesh.ok());
-  input.mesh = std::move(*mesh);
-  CoupledFlow flow(input);
-  ASSERT_TRUE(flow.execute({Order::Kind::initialize, {}, {}}).ok());
-  const std::size_t n = 3 * static_cast<std::size_t>(input.mesh.node_count());
-  const std::size_t k = 3 * flow.interface_file_nodes().size();
-  const auto iterate = [&](double amount) {
-    Order order{Order::Kind::iterate, std::vector<double>(1 + n + k, 0.0), {}};
-    for (std::size_t i = 0; i < n; i += 3) // the wall at x = 0 moves in, the far side stays
-      order.numbers[1 + i] = amount * (1 - input.mesh.file.points[i]);
-    for (std::size_t i = 0; i < k; i += 3) order.numbers[1 + n + i] = amount / 0.02;
-    EXPECT_TRUE(flow.execute(order).ok());
-    return flow.load();
-  };
-  const Order begin{Order::Kind::begin_step, {0.0, 0.02, 1.0}, {}};
-  ASSERT_TRUE(flow.execute(begin).ok());
-  const auto first = iterate(0.001);
-  const auto second = iterate(0.002);
+  CoupledChannel flow;
+  flow.begin(1);
+  const auto first = flow.iterate(0.001);
+  const auto second = flow.iterate(0.002);
   EXPECT_NE(first, second);
-  ASSERT_TRUE(flow.execute({Order::Kind::rollback, {}, {}}).ok());
-  ASSERT_TRUE(flow.execute(begin).ok());
-  EXPECT_EQ(iterate(0.001), first);
-  EXPECT_EQ(iterate(0.002), second);
+  flow.order({Order::Kind::rollback, {}, {}});
+  flow.begin(1);
+  EXPECT_EQ(flow.iterate(0.001), first);
+  EXPECT_EQ(flow.iterate(0.002), second);
+}
+
+/// And in another process, from a checkpoint; whether one is written changes nothing.
+TEST(CoupledFlow, GoesOnFromACheckpointToTheBit) {
+  const auto step = [](CoupledChannel& flow, int k) {
+    flow.begin(k);
+    (void)flow.iterate(0.0008 * k);
+    const auto load = flow.iterate(0.001 * k);
+    flow.order({Order::Kind::commit, {0.0}, {}});
+    return load;
+  };
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "coupled_flow_checkpoint";
+  std::filesystem::create_directories(folder);
+  CoupledChannel whole;
+  CoupledChannel first;
+  for (const int k : {1, 2}) EXPECT_EQ(step(first, k), step(whole, k));
+  first.order({Order::Kind::checkpoint, {}, folder.string()});
+  CoupledChannel second;
+  second.order({Order::Kind::restore, {}, folder.string()});
+  for (const int k : {3, 4}) {
+    const auto load = step(whole, k);
+    EXPECT_EQ(step(first, k), load);
+    EXPECT_EQ(step(second, k), load);
+  }
 }
 
 TEST(CoupledFlow, AnInvertedMeshIsARetryableError) {

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // mesh_mover as a participant, and its configs.
+#include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/mesh/msh.hpp"
@@ -239,6 +243,26 @@ TEST_F(MeshMoverRun, CheckNamesEveryError) {
             std::string::npos);
   EXPECT_NE(error_of(config_text, "\"box.msh\"", "\"sphere.msh\"").find("sphere.msh"), std::string::npos);
   EXPECT_NE(error_of(config_text, "0.1*t", "0.1*q").find("mesh.textproto:2:"), std::string::npos);
+}
+
+TEST_F(MeshMoverRun, ASignalEndsTheRunAfterTheStep) {
+  std::string text = config_text;
+  text.replace(text.find("0.1*t"), 5, "0.1*sin(t)");
+  text.replace(text.find("steps: 3"), 8,
+               "steps: 1000000 output { directory: \"results\" field_interval: 1000000 }");
+  std::ofstream(folder_ / "mesh.textproto") << text;
+  const std::string command = "cd '" + folder_.string() +
+                              "' && timeout --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
+                              "/mesh_mover' run mesh.textproto > log 2>&1";
+  const int status = std::system(command.c_str());
+  std::stringstream log;
+  log << std::ifstream(folder_ / "log").rdbuf();
+  EXPECT_EQ(WEXITSTATUS(status), 5) << log.str();
+  EXPECT_NE(log.str().find("interrupted after step "), std::string::npos) << log.str();
+  const auto fields =
+      std::count_if(fs::directory_iterator(folder_ / "results"), fs::directory_iterator(),
+                    [](const fs::directory_entry& file) { return file.path().extension() == ".vtu"; });
+  EXPECT_EQ(fields, 2); // the start and the last step
 }
 
 } // namespace

@@ -3,10 +3,12 @@
 // Whole runs through files: restart, static equilibrium, results, the participant's promises, what `check`
 // reports.
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <gtest/gtest.h>
@@ -255,6 +257,17 @@ TEST_F(CoupledRun, NeedsAnInterface) {
   const auto configured = solver.configure({fs::current_path(), 0, 0.01});
   ASSERT_FALSE(configured);
   EXPECT_EQ(configured.error().kind, ErrorKind::config);
+}
+
+TEST_F(Files, ASignalEndsTheProgramAfterTheStepWithItsState) {
+  write("long.textproto", std::string(properties) +
+                              "time { step: 0.001 steps: 1000000 } final_state: \"last.state\" output { "
+                              "field_interval: 0 }");
+  const int status = std::system("timeout --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
+                                 "/structure_solver' run long.textproto > log 2>&1");
+  EXPECT_EQ(WEXITSTATUS(status), 5) << read("log");
+  EXPECT_NE(read("log").find("interrupted after step "), std::string::npos) << read("log");
+  EXPECT_TRUE(fs::exists("last.state"));
 }
 
 } // namespace
