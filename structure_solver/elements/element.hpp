@@ -19,10 +19,11 @@ namespace drogue::structure {
 template <int Nodes>
 struct Response {
   using Positions = Eigen::Matrix<double, 3, Nodes>;
-  /// Column a: force on node a [force].
-  Positions force;
+  /// Column a: force on node a [force]. Aligned, like the tangent: where a vectorised sum starts, and so its
+  /// rounding, must not depend on the place of the response in memory.
+  alignas(64) Positions force;
   /// d force / d x, 3 x 3 blocks by (row node, column node) [force/length]; only when asked for.
-  Eigen::Matrix<double, 3 * Nodes, 3 * Nodes> tangent;
+  alignas(64) Eigen::Matrix<double, 3 * Nodes, 3 * Nodes> tangent;
   /// Stored energy [force length]; zero for loads.
   double energy = 0;
 

@@ -73,6 +73,7 @@ struct Membrane {
                        Response<nodes>& out) noexcept {
     out.clear(tangent);
     const PlaneStressLaw law(m);
+    Eigen::Matrix<double, nodes, nodes> geometric = Eigen::Matrix<double, nodes, nodes>::Zero();
     for (std::size_t q = 0; q < points; ++q) {
       const auto& B = ref.gradient[q];
       const Eigen::Matrix<double, 3, 2> F = x * B.transpose();
@@ -87,16 +88,17 @@ struct Membrane {
       out.energy += w * at.energy;
       if (!tangent) continue;
       S.diagonal().array() += geometric_tension;
+      const Eigen::Matrix<double, 2, nodes> SB = w * S * B;
+      geometric +=
+          B.transpose().lazyProduct(SB); // lazyProduct: in line, without the set-up of a large product
+      const StrainGradients D = strain_gradients(F, B), CD = w * D.lazyProduct(C);
       for (int b = 0; b < nodes; ++b) {
-        const Eigen::Matrix3d CB = w * strain_gradient(F, B, b) * C; // column i: h dA C_i. B_b
-        const Eigen::Vector2d Sb = w * (S * B.col(b));
-        for (int a = 0; a < nodes; ++a) {
-          Eigen::Matrix3d K = strain_gradient(F, B, a) * CB.transpose();
-          K.diagonal().array() += B.col(a).dot(Sb);
-          out.tangent.template block<3, 3>(3 * a, 3 * b) += K;
-        }
+        const int rows = 3 * (b + 1);
+        out.tangent.template middleCols<3>(3 * b).topRows(rows) +=
+            D.topRows(rows).lazyProduct(CD.template middleRows<3>(3 * b).transpose());
       }
     }
+    if (tangent) complete(geometric, out);
   }
 
   /// Row sums of the consistent mass: positive on both kinds.
@@ -116,13 +118,25 @@ struct Membrane {
     return {0.5 * (F.col(0).squaredNorm() - 1), 0.5 * (F.col(1).squaredNorm() - 1), F.col(0).dot(F.col(1))};
   }
 
-  /// Columns: dE_11/dx_a, dE_22/dx_a, 2 dE_12/dx_a [1/length].
-  [[nodiscard]] static Eigen::Matrix3d strain_gradient(const Eigen::Matrix<double, 3, 2>& F,
-                                                       const Eigen::Matrix<double, 2, nodes>& B,
-                                                       int a) noexcept {
-    Eigen::Matrix3d D;
-    D << F.col(0) * B(0, a), F.col(1) * B(1, a), F.col(0) * B(1, a) + F.col(1) * B(0, a);
+  /// Columns: dE_11/dx, dE_22/dx, 2 dE_12/dx, x node by node [1/length].
+  using StrainGradients = Eigen::Matrix<double, 3 * nodes, 3>;
+  [[nodiscard]] static StrainGradients strain_gradients(const Eigen::Matrix<double, 3, 2>& F,
+                                                        const Eigen::Matrix<double, 2, nodes>& B) noexcept {
+    StrainGradients D;
+    for (int a = 0; a < nodes; ++a)
+      D.template middleRows<3>(3 * a) << F.col(0) * B(0, a), F.col(1) * B(1, a),
+          F.col(0) * B(1, a) + F.col(1) * B(0, a);
     return D;
+  }
+
+  /// Adds the geometric part to the upper blocks of the tangent, and mirrors them.
+  static void complete(const Eigen::Matrix<double, nodes, nodes>& geometric, Response<nodes>& out) noexcept {
+    for (int b = 0; b < nodes; ++b)
+      for (int a = 0; a <= b; ++a) {
+        auto block = out.tangent.template block<3, 3>(3 * a, 3 * b);
+        block.diagonal().array() += geometric(a, b);
+        if (a != b) out.tangent.template block<3, 3>(3 * b, 3 * a) = block.transpose();
+      }
   }
 };
 
