@@ -56,38 +56,6 @@ typename Response<Nodes>::Positions current_positions(const std::vector<double>&
 
 } // namespace
 
-LoadValues LoadValues::blend(const LoadValues& a, const LoadValues& b, double alpha) {
-  const auto mix = [alpha](double p, double q) { return (1 - alpha) * p + alpha * q; };
-  LoadValues r = a;
-  std::transform(a.force.begin(), a.force.end(), b.force.begin(), r.force.begin(), mix);
-  for (std::size_t k = 0; k < a.pressure.size(); ++k)
-    std::transform(a.pressure[k].begin(), a.pressure[k].end(), b.pressure[k].begin(), r.pressure[k].begin(),
-                   mix);
-  return r;
-}
-
-LoadValues evaluate_loads(const Model& model, double time) {
-  LoadValues values;
-  values.force.assign(model.equation_count(), 0.0);
-  for (const WeightedLoad& load : model.loads)
-    for (std::size_t k = 0; k < load.nodes.size(); ++k) {
-      const std::size_t i = 3 * static_cast<std::size_t>(load.nodes[k]);
-      const double* X = &model.mesh.points[i];
-      for (std::size_t c = 0; c < 3; ++c)
-        if (!load.value[c].is_zero())
-          values.force[i + c] += load.weight[k] * load.value[c](X[0], X[1], X[2], time);
-    }
-  for (const PressureField& field : model.pressures) {
-    std::vector<double>& p = values.pressure.emplace_back(model.node_count(), 0.0);
-    if (field.value.is_zero()) continue;
-    for (const std::int32_t node : field.nodes) {
-      const double* X = &model.mesh.points[3 * static_cast<std::size_t>(node)];
-      p[static_cast<std::size_t>(node)] = field.value(X[0], X[1], X[2], time);
-    }
-  }
-  return values;
-}
-
 Assembler::Assembler(const Model& model, int threads)
     : model_(model),
       tangent_(model.mesh.node_count(), coupled_nodes(model), model.held),
@@ -126,10 +94,17 @@ double Assembler::assemble(const Request& request, std::span<double> residual) {
   return energy;
 }
 
+void Assembler::add_block(std::int32_t row, std::int32_t column, const Eigen::Matrix3d& block) noexcept {
+  const BlockMatrix::BlockColumn at = tangent_.column(column);
+  const std::int32_t slot = tangent_.slot(row, column);
+  for (int c = 0; c < 3; ++c)
+    for (int r = 0; r < 3; ++r) at.value[c * at.height + 3 * slot + r] += block(r, c);
+}
+
 void Assembler::external_force(std::span<const double> displacement, const LoadValues& loads,
                                std::span<double> force) {
   std::fill(force.begin(), force.end(), 0.0);
-  const Request request{.displacement = displacement, .loads = loads};
+  const Request request{.displacement = {}, .load_displacement = displacement, .loads = loads};
   pool_.run([&](int worker) { add_pressure(worker, request, force); });
   for (std::size_t i = 0; i < force.size(); ++i) force[i] = loads.force[i] - force[i];
 }
@@ -163,12 +138,13 @@ void Assembler::add_elements(int worker, const Request& request, std::span<doubl
   const auto add = [&](const auto& batch, std::size_t k) {
     using Kernel = typename std::decay_t<decltype(batch)>::KernelType;
     constexpr int n = Kernel::nodes;
+    const double length = request.loads.length_factor[k];
     Response<n> response;
     for (const std::int32_t element : split_.elements[static_cast<std::size_t>(worker)][k]) {
       const auto e = static_cast<std::size_t>(element);
       const std::int32_t* nodes = batch.element(e);
       const auto x = current_positions<n>(model_.mesh.points, request.displacement, nodes);
-      Kernel::evaluate(batch.reference[e], batch.material, x, request.tangent, response);
+      Kernel::evaluate(at_length(batch.reference[e], length), batch.material, x, request.tangent, response);
       if (split_.owner[static_cast<std::size_t>(nodes[0])] == worker) energy_[k][e] = response.energy;
       scatter(worker, response, nodes, residual);
       if (request.tangent)
@@ -192,11 +168,11 @@ void Assembler::add_pressure(int worker, const Request& request, std::span<doubl
       const auto e = static_cast<std::size_t>(element);
       const std::int32_t* nodes = &batch.nodes[e * n];
       for (int a = 0; a < n; ++a) p(a) = pressure[static_cast<std::size_t>(nodes[a])];
-      const auto x = current_positions<n>(model_.mesh.points, request.displacement, nodes);
+      const auto x = current_positions<n>(model_.mesh.points, request.load_displacement, nodes);
       FollowerPressure<kind>::evaluate(rule, p, x, stiffness, response);
       scatter(worker, response, nodes, residual);
       if (stiffness)
-        scatter_tangent(worker, response, nodes, &pressure_slots_[k][e * n * n], request.tangent_scale);
+        scatter_tangent(worker, response, nodes, &pressure_slots_[k][e * n * n], request.load_scale);
     }
   };
   for (std::size_t k = 0; k < model_.pressure_batches.size(); ++k)

@@ -5,25 +5,15 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "structure_solver/block_matrix.hpp"
+#include "structure_solver/load_values.hpp"
 #include "structure_solver/model.hpp"
 #include "structure_solver/work_split.hpp"
 #include "structure_solver/worker_pool.hpp"
 
 namespace drogue::structure {
-
-/// The loads of the config at one time: dead nodal forces and the nodal values of follower pressures.
-struct LoadValues {
-  /// {3 nodes} [force]: gravity, tractions, nodal forces.
-  std::vector<double> force;
-  /// One field over all nodes for each entry of Model::pressures [stress].
-  std::vector<std::vector<double>> pressure;
-
-  /// (1 - alpha) a + alpha b
-  [[nodiscard]] static LoadValues blend(const LoadValues& a, const LoadValues& b, double alpha);
-};
-
-[[nodiscard]] LoadValues evaluate_loads(const Model& model, double time);
 
 /// Sums the kernels into the residual and the tangent, with several threads. The result does not depend on
 /// their number (see WorkSplit).
@@ -33,23 +23,29 @@ class Assembler {
   explicit Assembler(const Model& model, int threads = 0);
 
   struct Request {
-    /// {3 nodes}: the displacement at which everything is evaluated [length].
+    /// {3 nodes}: the displacement at which the elements are evaluated [length].
     std::span<const double> displacement;
+    /// The same for follower pressure.
+    std::span<const double> load_displacement;
     const LoadValues& loads;
     /// Fill tangent(), multiplied by tangent_scale.
     bool tangent = false;
     double tangent_scale = 1;
+    /// The same for the load stiffness.
+    double load_scale = 1;
     /// With the load stiffness of follower pressures.
     bool load_stiffness = false;
   };
 
   /// residual = f_int - f_ext [force], {3 nodes}; without inertia. Returns the stored energy.
   double assemble(const Request& request, std::span<double> residual);
-  /// f_ext at a displacement [force], {3 nodes}.
+  /// f_ext at a displacement [force], {3 nodes}; without drag.
   void external_force(std::span<const double> displacement, const LoadValues& loads, std::span<double> force);
 
   /// Adds `value` to the diagonal of a node, after assemble().
   void add_to_diagonal(std::int32_t node, double value) noexcept { tangent_.add_diagonal(node, value); }
+  /// Adds a block at (row, column), after assemble(). @pre an element couples the two nodes
+  void add_block(std::int32_t row, std::int32_t column, const Eigen::Matrix3d& block) noexcept;
   /// Puts identity rows and columns where equations are held.
   void eliminate_held() noexcept { tangent_.eliminate_marked(); }
   [[nodiscard]] const la::SparseMatrix& tangent() const { return tangent_.matrix(); }

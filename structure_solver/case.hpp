@@ -18,9 +18,7 @@ struct Case {
   std::unique_ptr<const Model> model;
   State start;
 
-  [[nodiscard]] Integrator::Options integrator_options() const {
-    return {settings.time.rho_infinity, settings.time.mass_damping, settings.newton, settings.threads};
-  }
+  [[nodiscard]] Integrator::Options integrator_options() const;
 };
 
 /// Reads config, mesh and initial state. Errors (ErrorKind::config): everything wrong with them, at once. A

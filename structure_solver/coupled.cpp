@@ -85,6 +85,7 @@ Result<participant::InterfaceMesh> Coupled::initialize() {
 
 Result<void> Coupled::begin_step(const participant::StepInfo& step) {
   integrator_.set_time(step.time);
+  integrator_.set_step(step.step - 1);
   integrator_.begin_step(step.time_step, Integrator::Predictor::extrapolate);
   step_iterations_ = 0;
   return {};
@@ -115,8 +116,8 @@ Result<participant::IterationReport> Coupled::iterate(const participant::Fields&
   if (count == 0 && !outcome->converged)
     return retryable_error(
         "the structure's Newton iteration did not converge in {} iterations: correction {:.3g}, residual "
-        "{:.3g} of the step's first",
-        outcome->iterations, outcome->correction, outcome->residual);
+        "{:.3g} of the step's first{}",
+        outcome->iterations, outcome->correction, outcome->residual, integrator_.worst_nodes());
   participant::FloatArray u = on_interface(integrator_.trial().u);
   for (std::size_t i = 0; i < u.values.size(); ++i) u.values[i] -= u_initial_[i];
   outputs["displacement"] = std::move(u);
@@ -128,6 +129,11 @@ Result<participant::IterationReport> Coupled::iterate(const participant::Fields&
 Result<void> Coupled::commit(bool write_output) {
   integrator_.commit();
   return results_->step({integrator_.committed(), integrator_.balance(), step_iterations_, write_output});
+}
+
+Result<void> Coupled::finish() {
+  if (!results_ || integrator_.committed().step == 0) return {};
+  return results_->fields(integrator_.committed());
 }
 
 Result<void> Coupled::rollback() {

@@ -34,6 +34,8 @@ class Coupled : public participant::Solver {
   [[nodiscard]] Result<void> rollback() override;
   [[nodiscard]] Result<void> checkpoint(const std::filesystem::path& directory) override;
   [[nodiscard]] Result<void> restore(const std::filesystem::path& directory) override;
+  /// Writes the fields of the last committed step unless that was done; to be called when the run has ended.
+  [[nodiscard]] Result<void> finish();
 
  private:
   void start_iterate(const participant::Fields& inputs);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "structure_solver/load_values.hpp"
+
 namespace drogue::structure {
 namespace {
 
@@ -29,7 +31,8 @@ struct Sums {
 };
 
 template <mesh::ElementKind Kind>
-void add(const Batch<Membrane<Kind>>& batch, const Model& model, std::span<const double> u, Sums& sums) {
+void add(const Batch<Membrane<Kind>>& batch, const Model& model, std::span<const double> u, double /*length*/,
+         Sums& sums) {
   using Kernel = Membrane<Kind>;
   const auto& rule = surface_rule<Kind>();
   for (std::size_t e = 0; e < batch.count(); ++e) {
@@ -63,10 +66,10 @@ void add(const Batch<Membrane<Kind>>& batch, const Model& model, std::span<const
   }
 }
 
-void add(const Batch<Line>& batch, const Model& model, std::span<const double> u, Sums& sums) {
+void add(const Batch<Line>& batch, const Model& model, std::span<const double> u, double length, Sums& sums) {
   for (std::size_t e = 0; e < batch.count(); ++e) {
-    const double tension =
-        Line::tension(batch.reference[e], batch.material, positions<Line>(model, u, batch.element(e)));
+    const double tension = Line::tension(at_length(batch.reference[e], length), batch.material,
+                                         positions<Line>(model, u, batch.element(e)));
     sums.fields.cell_largest.push_back(0);
     sums.fields.cell_smallest.push_back(0);
     sums.fields.cell_tension.push_back(tension);
@@ -82,14 +85,15 @@ void add(const Batch<Line>& batch, const Model& model, std::span<const double> u
 
 } // namespace
 
-StressFields stress_fields(const Model& model, std::span<const double> u) {
+StressFields stress_fields(const Model& model, std::span<const double> u, double time) {
+  const std::vector<double> lengths = length_factors(model, time);
   Sums sums;
   const std::size_t n = model.node_count();
   sums.weight.assign(n, 0);
   sums.fields.nodal_largest.assign(n, 0);
   sums.fields.nodal_smallest.assign(n, 0);
-  for (const AnyBatch& any : model.batches)
-    std::visit([&](const auto& batch) { add(batch, model, u, sums); }, any);
+  for (std::size_t k = 0; k < model.batches.size(); ++k)
+    std::visit([&](const auto& batch) { add(batch, model, u, lengths[k], sums); }, model.batches[k]);
   for (std::size_t i = 0; i < n; ++i) {
     if (!(sums.weight[i] > 0)) continue;
     sums.fields.nodal_largest[i] /= sums.weight[i];

@@ -30,6 +30,7 @@ struct StressFields {
 };
 
 /// @param u displacement, {3 nodes}
-[[nodiscard]] StressFields stress_fields(const Model& model, std::span<const double> u);
+/// @param time tells the natural lengths
+[[nodiscard]] StressFields stress_fields(const Model& model, std::span<const double> u, double time);
 
 } // namespace drogue::structure

@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "structure_solver/drag_assembly.hpp"
+
 namespace drogue::structure {
 namespace {
 
@@ -25,21 +27,40 @@ double largest_nodal(std::span<const double> x) noexcept {
 
 State rest_state(const Model& model) {
   const std::vector<double> zero(model.equation_count(), 0.0);
-  return {0, 0, zero, zero, zero, {}};
+  State state;
+  state.u = state.v = state.a = zero;
+  return state;
 }
 
-GeneralisedAlpha GeneralisedAlpha::from_rho(double rho) noexcept {
-  const double m = (2 * rho - 1) / (rho + 1), f = rho / (rho + 1);
-  return {m, f, 0.5 - m + f, 0.25 * (1 - m + f) * (1 - m + f)};
+GeneralisedAlpha::GeneralisedAlpha(double rho) noexcept
+    : alpha_m((2 * rho - 1) / (rho + 1)),
+      alpha_f(rho / (rho + 1)),
+      gamma(0.5 - alpha_m + alpha_f),
+      beta(0.25 * (1 - alpha_m + alpha_f) * (1 - alpha_m + alpha_f)) {}
+
+GeneralisedAlpha GeneralisedAlpha::hht(double alpha) noexcept {
+  GeneralisedAlpha scheme(1);
+  scheme.alpha_m = 0;
+  scheme.alpha_f = -alpha;
+  scheme.gamma = 0.5 - alpha;
+  scheme.beta = 0.25 * (1 - alpha) * (1 - alpha);
+  return scheme;
+}
+
+GeneralisedAlpha GeneralisedAlpha::newmark(double beta, double gamma) noexcept {
+  GeneralisedAlpha scheme(1);
+  scheme.alpha_m = scheme.alpha_f = 0;
+  scheme.gamma = gamma;
+  scheme.beta = beta;
+  return scheme;
 }
 
 Integrator::Integrator(const Model& model, const Options& options, State start)
-    : model_(model),
-      options_(options),
-      alpha_(GeneralisedAlpha::from_rho(options.rho_infinity)),
-      assembler_(model, options.threads) {
+    : model_(model), options_(options), alpha_(options.scheme), assembler_(model, options.threads) {
   const std::size_t n = model.equation_count();
+  if (options_.statics) alpha_.alpha_f = 0;
   u_m_.resize(n);
+  v_m_.resize(n);
   residual_.resize(n);
   correction_.resize(n);
   reset(std::move(start));
@@ -51,17 +72,32 @@ void Integrator::reset(State state) {
   np1_ = n_;
 }
 
-void Integrator::begin_step(double dt, Predictor predictor) {
+double Integrator::load_factor(double time) const noexcept {
+  if (!options_.ramp) return 1;
+  return std::clamp((time - options_.ramp->begin) / (options_.ramp->end - options_.ramp->begin), 0.0, 1.0);
+}
+
+void Integrator::begin_step(double dt, Predictor predictor, bool completes) {
   dt_ = dt;
+  step_error_.reset();
+  auto at_n = evaluate_loads(model_, n_.time, load_factor(n_.time));
+  auto at_np1 = evaluate_loads(model_, n_.time + dt, load_factor(n_.time + dt));
+  auto held = held_motion(model_, n_.time + dt, held_difference * dt);
+  if (!at_n) step_error_ = at_n.error();
+  if (!at_np1) step_error_ = at_np1.error();
+  if (!held) step_error_ = held.error();
+  if (step_error_) return;
+  loads_n_ = std::move(*at_n);
+  loads_np1_ = std::move(*at_np1);
+  loads_ = LoadValues::blend(loads_np1_, loads_n_, alpha_.alpha_f);
+  held_ = std::move(*held);
+  if (!n_.ledger.start) n_.ledger.start = kinetic_energy(n_) + static_residual(loads_n_, n_.u);
   np1_ = n_;
   np1_.time = n_.time + dt;
-  np1_.step = n_.step + 1;
+  np1_.step = n_.step + (completes ? 1 : 0);
   if (predictor == Predictor::extrapolate)
     for (std::size_t i = 0; i < np1_.u.size(); ++i) np1_.u[i] += dt * n_.v[i];
-  hold_supports(np1_.time);
   update_rates();
-  loads_ =
-      LoadValues::blend(evaluate_loads(model_, np1_.time), evaluate_loads(model_, n_.time), alpha_.alpha_f);
   first_residual_ = -1;
   lu_.forget_pattern(); // its analysis looks at values: a step must not depend on the one before
 }
@@ -76,56 +112,76 @@ void Integrator::set_displacement(std::span<const std::int32_t> nodes, std::span
   for (std::size_t k = 0; k < nodes.size(); ++k)
     for (std::size_t c = 0; c < 3; ++c)
       np1_.u[3 * static_cast<std::size_t>(nodes[k]) + c] = displacement[3 * k + c];
-  hold_supports(np1_.time);
   update_rates();
 }
 
-void Integrator::hold_supports(double time) {
-  for (const SupportSet& support : model_.supports)
-    for (const std::int32_t node : support.nodes) {
-      const std::size_t i = 3 * static_cast<std::size_t>(node);
-      const double* X = &model_.mesh.points[i];
-      for (std::size_t c = 0; c < 3; ++c)
-        if (support.held[c]) np1_.u[i + c] = support.displacement[c](X[0], X[1], X[2], time);
-    }
+void Integrator::apply_held() noexcept {
+  for (const HeldMotion& held : held_) {
+    np1_.u[held.equation] = held.u;
+    np1_.v[held.equation] = options_.statics ? 0 : held.v;
+    np1_.a[held.equation] = options_.statics ? 0 : held.a;
+  }
 }
 
 void Integrator::update_rates() noexcept {
   const double beta = alpha_.beta, gamma = alpha_.gamma;
-  for (std::size_t i = 0; i < np1_.u.size(); ++i) {
+  for (std::size_t i = 0; i < np1_.u.size() && !options_.statics; ++i) {
     np1_.a[i] = (np1_.u[i] - n_.u[i] - dt_ * n_.v[i]) / (beta * dt_ * dt_) - (0.5 / beta - 1) * n_.a[i];
     np1_.v[i] = n_.v[i] + dt_ * ((1 - gamma) * n_.a[i] + gamma * np1_.a[i]);
   }
+  apply_held();
+}
+
+double Integrator::interface_force(std::size_t i, double alpha_f) const noexcept {
+  if (np1_.interface_force.empty()) return 0;
+  if (n_.interface_force.empty()) return np1_.interface_force[i];
+  return (1 - alpha_f) * np1_.interface_force[i] + alpha_f * n_.interface_force[i];
+}
+
+void Integrator::full_residual(const LoadValues& loads, double af, std::span<double> r, bool tangent) {
+  const double am = alpha_.alpha_m, c = options_.mass_damping, tau = options_.stiffness_damping;
+  const double by_velocity = options_.statics ? 0 : (1 - af) * alpha_.gamma / (alpha_.beta * dt_);
+  for (std::size_t i = 0; i < u_m_.size(); ++i) {
+    u_m_[i] = (1 - af) * np1_.u[i] + af * n_.u[i];
+    v_m_[i] = (1 - af) * np1_.v[i] + af * n_.v[i];
+  }
+  if (tau > 0) {
+    u_damped_ = u_m_;
+    for (std::size_t i = 0; i < u_m_.size(); ++i) u_damped_[i] += tau * v_m_[i];
+  }
+  assembler_.assemble({.displacement = tau > 0 ? u_damped_ : u_m_,
+                       .load_displacement = u_m_,
+                       .loads = loads,
+                       .tangent = tangent,
+                       .tangent_scale = (1 - af) + tau * by_velocity,
+                       .load_scale = 1 - af,
+                       .load_stiffness = options_.newton.load_stiffness},
+                      r);
+  add_drag(model_,
+           {.displacement = u_m_,
+            .velocity = v_m_,
+            .time = loads.time,
+            .factor = loads.factor,
+            .tangent = tangent ? &assembler_ : nullptr,
+            .displacement_scale = 1 - af,
+            .velocity_scale = by_velocity,
+            .by_position = options_.newton.load_stiffness},
+           r);
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] -= interface_force(i, af);
+  if (options_.statics) return;
+  for (std::size_t i = 0; i < r.size(); ++i)
+    r[i] += model_.mass[i / 3] * ((1 - am) * np1_.a[i] + am * n_.a[i] + c * v_m_[i]);
+  if (!tangent) return;
+  const double inertia = (1 - am) / (alpha_.beta * dt_ * dt_) + c * by_velocity;
+  for (std::size_t i = 0; i < model_.node_count(); ++i)
+    assembler_.add_to_diagonal(static_cast<std::int32_t>(i), inertia * model_.mass[i]);
 }
 
 void Integrator::residual(std::span<double> r, bool tangent) {
-  const double am = alpha_.alpha_m, af = alpha_.alpha_f, c = options_.mass_damping;
-  for (std::size_t i = 0; i < u_m_.size(); ++i) u_m_[i] = (1 - af) * np1_.u[i] + af * n_.u[i];
-  assembler_.assemble({.displacement = u_m_,
-                       .loads = loads_,
-                       .tangent = tangent,
-                       .tangent_scale = 1 - af,
-                       .load_stiffness = options_.newton.load_stiffness},
-                      r);
-  for (std::size_t i = 0; i < r.size(); ++i) {
-    const double a_m = (1 - am) * np1_.a[i] + am * n_.a[i], v_m = (1 - af) * np1_.v[i] + af * n_.v[i];
-    r[i] += model_.mass[i / 3] * (a_m + c * v_m);
-  }
-  if (!np1_.interface_force.empty()) {
-    const bool first = n_.interface_force.empty();
-    for (std::size_t i = 0; i < r.size(); ++i) {
-      const double f_np1 = np1_.interface_force[i];
-      r[i] -= first ? f_np1 : (1 - af) * f_np1 + af * n_.interface_force[i];
-    }
-  }
+  full_residual(loads_, alpha_.alpha_f, r, tangent);
   for (std::size_t i = 0; i < r.size(); ++i)
     if (model_.held[i]) r[i] = 0;
-  if (!tangent) return;
-  const double inertia =
-      (1 - am) / (alpha_.beta * dt_ * dt_) + (1 - af) * c * alpha_.gamma / (alpha_.beta * dt_);
-  for (std::size_t i = 0; i < model_.node_count(); ++i)
-    assembler_.add_to_diagonal(static_cast<std::int32_t>(i), inertia * model_.mass[i]);
-  assembler_.eliminate_held();
+  if (tangent) assembler_.eliminate_held();
 }
 
 Result<void> Integrator::solve() {
@@ -138,15 +194,21 @@ Result<void> Integrator::solve() {
   const auto regular = lu_.factor(assembler_.tangent());
   if (!regular) return regular.error();
   if (!*regular)
-    return retryable_error("the structure's tangent matrix is singular in the step to t = {}", np1_.time);
+    return retryable_error("the structure's tangent matrix is singular in the step to t = {}{}", np1_.time,
+                           worst_nodes());
   return lu_.solve(residual_, correction_);
 }
 
+Error Integrator::not_finite(const char* what) const {
+  return retryable_error("the structure's {} is not finite in the step to t = {}{}", what, np1_.time,
+                         worst_nodes());
+}
+
 Result<void> Integrator::newton_iteration(Outcome& outcome) {
+  if (step_error_) return *step_error_;
   residual(residual_, true);
   const double r = norm(residual_);
-  if (!std::isfinite(r))
-    return retryable_error("the structure's residual is not finite in the step to t = {}", np1_.time);
+  if (!std::isfinite(r)) return not_finite("residual");
   if (first_residual_ < 0) first_residual_ = r;
   outcome.residual = first_residual_ > 0 ? r / first_residual_ : 0;
   DROGUE_TRY(solve());
@@ -154,10 +216,7 @@ Result<void> Integrator::newton_iteration(Outcome& outcome) {
   update_rates();
   outcome.correction = largest_nodal(correction_);
   outcome.iterations += 1;
-  if (!std::isfinite(outcome.correction))
-    return retryable_error("the structure's Newton correction is not finite in the step to t = {}",
-                           np1_.time);
-  return {};
+  return std::isfinite(outcome.correction) ? Result<void>() : not_finite("Newton correction");
 }
 
 bool Integrator::small(const Outcome& o) const noexcept {
@@ -182,44 +241,8 @@ Result<Outcome> Integrator::iterate(int count) {
 }
 
 void Integrator::commit() {
+  account_for_step();
   n_ = np1_;
-}
-
-void Integrator::balance_start() {
-  const LoadValues loads = evaluate_loads(model_, n_.time);
-  assembler_.assemble({.displacement = n_.u, .loads = loads}, residual_);
-  for (std::size_t i = 0; i < residual_.size(); ++i)
-    n_.a[i] = model_.held[i] ? 0.0 : -residual_[i] / model_.mass[i / 3] - options_.mass_damping * n_.v[i];
-  np1_ = n_;
-}
-
-Balance Integrator::balance() {
-  Balance b;
-  LoadValues loads = evaluate_loads(model_, n_.time);
-  for (std::size_t i = 0; i < n_.interface_force.size(); ++i) loads.force[i] += n_.interface_force[i];
-  b.strain_energy = assembler_.assemble({.displacement = n_.u, .loads = loads}, residual_);
-  assembler_.external_force(n_.u, loads, correction_);
-  double unbalanced = 0;
-  for (std::size_t i = 0; i < residual_.size(); ++i) {
-    const double m = model_.mass[i / 3];
-    b.kinetic_energy += 0.5 * m * n_.v[i] * n_.v[i];
-    if (!model_.held[i]) unbalanced += residual_[i] * residual_[i];
-  }
-  const double applied = norm(correction_);
-  // Without an applied load (prestress, moved supports) the forces of the held nodes are the measure.
-  const double scale = applied > 0 ? applied : norm(residual_);
-  b.unbalance = scale > 0 ? std::sqrt(unbalanced) / scale : 0;
-  for (const SupportSet& support : model_.supports) {
-    std::array<double, 3> sum{};
-    for (const std::int32_t node : support.nodes)
-      for (std::size_t c = 0; c < 3; ++c) {
-        const std::size_t i = 3 * static_cast<std::size_t>(node) + c;
-        if (!support.held[c]) continue;
-        sum[c] += residual_[i] + model_.mass[i / 3] * (n_.a[i] + options_.mass_damping * n_.v[i]);
-      }
-    b.reactions.push_back(sum);
-  }
-  return b;
 }
 
 } // namespace drogue::structure

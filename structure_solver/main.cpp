@@ -12,7 +12,10 @@ Result<void> run(const std::string& file, const std::string& endpoint) {
   auto c = structure::load_case(file, Role::participant);
   if (!c) return c.error();
   structure::Coupled solver(std::move(*c));
-  return participant::serve(solver, participant::serve_options_from_environment(endpoint));
+  const Result<void> served =
+      participant::serve(solver, participant::serve_options_from_environment(endpoint));
+  const Result<void> finished = solver.finish();
+  return served ? finished : served;
 }
 
 } // namespace

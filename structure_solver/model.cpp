@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "structure_solver/drag_and_lengths.hpp"
+
 namespace drogue::structure {
 namespace {
 
@@ -44,6 +46,7 @@ class Builder {
     add_tractions();
     add_forces();
     add_gravity();
+    add_drag_and_lengths(settings_, report_, model_);
     check_interface();
     check_every_group_has_a_role();
     if (report_.lines().size() == errors_before) check_mass();
@@ -180,7 +183,9 @@ class Builder {
         else
           wrong_kind(field, *block, "3-node triangles or 9-node quadrilaterals");
       }
-      model_.pressures.push_back({model_.mesh.nodes_of(s.group), s.value});
+      model_.pressures.push_back({model_.mesh.nodes_of(s.group), s.value,
+                                  fmt::format("pressure on group \"{}\"", s.group),
+                                  fmt::format("pressure[{}].value", i)});
     }
   }
 
@@ -197,7 +202,11 @@ class Builder {
       if (!found)
         report_.error(where(field),
                       fmt::format("group \"{}\" is not a membrane; a traction needs one", s.group));
-      WeightedLoad load{model_.mesh.nodes_of(s.group), {}, s.value};
+      WeightedLoad load{model_.mesh.nodes_of(s.group),
+                        {},
+                        s.value,
+                        fmt::format("traction on group \"{}\"", s.group),
+                        fmt::format("traction[{}].value", i)};
       for (const std::int32_t node : load.nodes) load.weight.push_back(area[static_cast<std::size_t>(node)]);
       model_.loads.push_back(std::move(load));
     }
@@ -221,7 +230,11 @@ class Builder {
     for (std::size_t i = 0; i < settings_.forces.size(); ++i) {
       const VectorLoadSettings& s = settings_.forces[i];
       if (!known(fmt::format("force[{}].group", i), s.group)) continue;
-      WeightedLoad load{model_.mesh.nodes_of(s.group), {}, s.value};
+      WeightedLoad load{model_.mesh.nodes_of(s.group),
+                        {},
+                        s.value,
+                        fmt::format("force on group \"{}\"", s.group),
+                        fmt::format("force[{}].value", i)};
       load.weight.assign(load.nodes.size(), 1.0);
       model_.loads.push_back(std::move(load));
     }
@@ -230,7 +243,7 @@ class Builder {
   void add_gravity() {
     const auto& g = settings_.gravity;
     if (g[0].is_zero() && g[1].is_zero() && g[2].is_zero()) return;
-    WeightedLoad load{std::vector<std::int32_t>(model_.node_count()), model_.mass, g};
+    WeightedLoad load{std::vector<std::int32_t>(model_.node_count()), model_.mass, g, "gravity", "gravity"};
     std::iota(load.nodes.begin(), load.nodes.end(), 0);
     model_.loads.push_back(std::move(load));
   }

@@ -13,6 +13,7 @@
 #include "common/mesh/mesh.hpp"
 #include "structure_solver/elements/follower_pressure.hpp"
 #include "structure_solver/elements/registry.hpp"
+#include "structure_solver/load_terms.hpp"
 #include "structure_solver/settings.hpp"
 
 namespace drogue::structure {
@@ -42,6 +43,8 @@ using AnyPressureBatch =
 struct PressureField {
   std::vector<std::int32_t> nodes;
   config::Expression value;
+  std::string name;  ///< for messages, e.g. pressure on "canopy"
+  std::string field; ///< its place in the config
 };
 
 /// A vector that acts on nodes with a weight each: gravity times mass, traction times area, plain nodal
@@ -50,6 +53,8 @@ struct WeightedLoad {
   std::vector<std::int32_t> nodes;
   std::vector<double> weight;
   config::VectorExpression value;
+  std::string name;
+  std::string field;
 };
 
 /// The discrete structure: immutable once built.
@@ -65,6 +70,8 @@ struct Model {
   std::vector<AnyPressureBatch> pressure_batches;
   std::vector<PressureField> pressures;
   std::vector<WeightedLoad> loads;
+  std::vector<DragLoad> drag;
+  std::vector<LengthControl> lengths;
 
   [[nodiscard]] std::size_t node_count() const { return static_cast<std::size_t>(mesh.node_count()); }
   [[nodiscard]] std::size_t equation_count() const { return 3 * node_count(); }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <Eigen/Dense>
+#include <fmt/format.h>
 
 namespace drogue::structure {
 namespace {
@@ -35,6 +36,7 @@ class Nearest {
 
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
+  double distance = std::numeric_limits<double>::infinity();
 
  private:
   [[nodiscard]] Eigen::Vector3d at(std::int32_t node) const {
@@ -43,16 +45,15 @@ class Nearest {
   void offer(std::vector<std::int32_t> candidate, std::vector<double> weight) {
     Eigen::Vector3d X = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < candidate.size(); ++k) X += weight[k] * at(candidate[k]);
-    const double distance = (X - position_).norm();
-    if (!(distance < distance_)) return;
-    distance_ = distance;
+    const double to_candidate = (X - position_).norm();
+    if (!(to_candidate < distance)) return;
+    distance = to_candidate;
     nodes = std::move(candidate);
     weights = std::move(weight);
   }
 
   const Model& model_;
   Eigen::Vector3d position_;
-  double distance_ = std::numeric_limits<double>::infinity();
 };
 
 void visit(const mesh::ElementBlock& block, Nearest& nearest) {
@@ -81,7 +82,25 @@ ProbePoint locate(const Model& model, const ProbeSettings& probe) {
   Nearest nearest(model, {probe.position[0], probe.position[1], probe.position[2]});
   for (std::int32_t node = 0; node < model.mesh.node_count(); ++node) nearest.node(node);
   for (const mesh::ElementBlock& block : model.mesh.blocks) visit(block, nearest);
-  return {probe.name, std::move(nearest.nodes), std::move(nearest.weights)};
+  return {probe.name, std::move(nearest.nodes), std::move(nearest.weights), nearest.distance};
+}
+
+void check_probes(const Settings& settings, const Model& model, config::Report& report) {
+  constexpr double allowed = 0.01; // of the structure's size
+  const Eigen::Map<const Eigen::Matrix3Xd> X(model.mesh.points.data(), 3, model.mesh.node_count());
+  const double size = (X.rowwise().maxCoeff() - X.rowwise().minCoeff()).norm();
+  for (std::size_t i = 0; i < settings.probes.size(); ++i) {
+    const ProbeSettings& probe = settings.probes[i];
+    const ProbePoint point = locate(model, probe);
+    if (point.distance <= allowed * size) continue;
+    const auto nearest = point(model.mesh.points);
+    report.error(
+        settings.source.where(fmt::format("probe[{}]", i)),
+        fmt::format("probe \"{}\" at ({}, {}, {}) is {:.3g} away from the structure; the nearest point of "
+                    "the reference configuration is ({:.6g}, {:.6g}, {:.6g})",
+                    probe.name, probe.position[0], probe.position[1], probe.position[2], point.distance,
+                    nearest[0], nearest[1], nearest[2]));
+  }
 }
 
 } // namespace drogue::structure

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "common/config/config.hpp"
 #include "structure_solver/model.hpp"
+#include "structure_solver/settings.hpp"
 
 namespace drogue::structure {
 
@@ -16,6 +18,8 @@ struct ProbePoint {
   std::string name;
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
+  /// From the position asked for to the point [length].
+  double distance = 0;
 
   /// @param values {nodes, 3}
   [[nodiscard]] std::array<double, 3> operator()(std::span<const double> values) const;
@@ -24,5 +28,8 @@ struct ProbePoint {
 /// The point of the reference configuration's elements that is nearest to a probe's position. Membranes count
 /// by the flat triangles between their nodes, so that the value is linear on them and exact at nodes.
 [[nodiscard]] ProbePoint locate(const Model& model, const ProbeSettings& probe);
+
+/// Reports probes that are not on the structure: further from it than 1 % of its size.
+void check_probes(const Settings& settings, const Model& model, config::Report& report);
 
 } // namespace drogue::structure

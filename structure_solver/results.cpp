@@ -12,8 +12,10 @@ Results::Results(const Settings& settings, const Model& model, std::filesystem::
 
 std::vector<std::string> Results::series_columns() const {
   std::vector<std::string> columns = {
-      "time",       "step",       "newton_iterations", "kinetic_energy", "strain_energy",    "unbalance",
-      "max_stress", "min_stress", "max_tension",       "slack_fraction", "wrinkled_fraction"};
+      "time",          "step",           "newton_iterations",   "kinetic_energy",
+      "strain_energy", "unbalance",      "max_stress",          "min_stress",
+      "max_tension",   "slack_fraction", "wrinkled_fraction",   "external_work",
+      "support_work",  "actuator_work",  "damping_dissipation", "energy_lost"};
   for (const SupportSet& support : model_.supports)
     for (const char* c : {"x", "y", "z"}) columns.push_back(fmt::format("reaction_{}_{}", support.group, c));
   return columns;
@@ -27,7 +29,9 @@ Result<void> Results::open(std::uint64_t first_step) {
   if (!probes_.empty()) {
     std::vector<std::string> columns = {"time"};
     for (const ProbePoint& probe : probes_)
-      for (const char* c : {"x", "y", "z"}) columns.push_back(fmt::format("{}_{}", probe.name, c));
+      for (const char* quantity : {"", "velocity_", "acceleration_"})
+        for (const char* c : {"x", "y", "z"})
+          columns.push_back(fmt::format("{}_{}{}", probe.name, quantity, c));
     auto probes = io::CsvWriter::create(directory_ / ("probes" + suffix + ".csv"), columns);
     if (!probes) return probes.error();
     probe_series_ = std::move(*probes);
@@ -48,7 +52,7 @@ Result<void> Results::step(const Step& step) {
 Result<void> Results::row(const Step& step) {
   const State& state = step.state;
   const Balance& balance = step.balance;
-  const StressFields stress = stress_fields(model_, state.u);
+  const StressFields stress = stress_fields(model_, state.u, state.time);
   std::vector<double> values = {state.time,
                                 static_cast<double>(state.step),
                                 static_cast<double>(step.newton_iterations),
@@ -59,23 +63,29 @@ Result<void> Results::row(const Step& step) {
                                 stress.min_stress,
                                 stress.max_tension,
                                 stress.slack_fraction,
-                                stress.wrinkled_fraction};
+                                stress.wrinkled_fraction,
+                                balance.ledger.external,
+                                balance.ledger.support,
+                                balance.ledger.actuator,
+                                balance.ledger.damping,
+                                balance.energy_lost};
   for (const auto& reaction : balance.reactions)
     values.insert(values.end(), reaction.begin(), reaction.end());
   DROGUE_TRY(series_.row(values));
   if (!probe_series_) return {};
   values = {state.time};
-  for (const ProbePoint& probe : probes_) {
-    const auto u = probe(state.u);
-    values.insert(values.end(), u.begin(), u.end());
-  }
+  for (const ProbePoint& probe : probes_)
+    for (const std::vector<double>* field : {&state.u, &state.v, &state.a}) {
+      const auto value = probe(*field);
+      values.insert(values.end(), value.begin(), value.end());
+    }
   return probe_series_->row(values);
 }
 
 Result<void> Results::fields(const State& state) {
   if (settings_.field_interval == 0 || last_fields_ == state.step) return {};
   if (!open_) DROGUE_TRY(open(state.step));
-  const StressFields stress = stress_fields(model_, state.u);
+  const StressFields stress = stress_fields(model_, state.u, state.time);
   std::vector<double> points = model_.mesh.points;
   for (std::size_t i = 0; i < points.size(); ++i) points[i] += state.u[i];
   io::VtuData data;

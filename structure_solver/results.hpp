@@ -15,9 +15,9 @@
 namespace drogue::structure {
 
 /// Writes the results of a run into one folder:
-///   structure.csv     a row every series_interval steps: time, step, Newton iterations, energies, unbalance,
-///                     stresses, tensions, reactions
-///   probes.csv        displacement of each probe
+///   structure.csv     a row every series_interval steps: time, step, Newton iterations, energies and their
+///                     balance (docs/theory.md), unbalance, stresses, tensions, reactions
+///   probes.csv        displacement, velocity and acceleration of each probe
 ///   structure_N.vtu, structure.pvd   every field_interval steps, on the current positions: displacement,
 ///   velocity,
 ///                     acceleration, principal second Piola-Kirchhoff stresses (nodes and cells), cable

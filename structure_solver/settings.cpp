@@ -59,9 +59,59 @@ SupportSettings support(const v1::Support& m, const std::string& where, config::
   return s;
 }
 
+DragSettings drag(const v1::PointDrag& m) {
+  return {m.group(), 0.5 * m.air_density() * m.drag_coefficient() * m.area(), expression(m.air_velocity()),
+          false};
+}
+DragSettings drag(const v1::LineDrag& m) {
+  return {m.group(), 0.5 * m.air_density() * m.drag_coefficient() * m.diameter(),
+          expression(m.air_velocity()), m.cross_flow()};
+}
+
+NaturalLengthSettings natural_length(const v1::NaturalLength& m, const std::string& where,
+                                     config::Report& report) {
+  NaturalLengthSettings s{m.group(), {}};
+  for (const auto& point : m.point()) {
+    if (!s.schedule.points.empty() && !(point.time() > s.schedule.points.back().time))
+      report.error(where, fmt::format("the point at time {} follows one at time {}; times must increase",
+                                      point.time(), s.schedule.points.back().time));
+    s.schedule.points.push_back({point.time(), point.factor()});
+  }
+  s.schedule.smooth = m.ramp() == v1::NaturalLength::SMOOTH;
+  s.schedule.factor = expression(m.factor());
+  return s;
+}
+
 TimeSettings time(const v1::StructureTime& m) {
   TimeSettings t;
-  t.mode = m.mode() == v1::StructureTime::DYNAMIC ? TimeMode::dynamic : TimeMode::static_by_damped_dynamics;
+  switch (m.mode()) {
+  case v1::StructureTime::DYNAMIC:
+    t.mode = TimeMode::dynamic;
+    break;
+  case v1::StructureTime::STATIC_BY_DAMPED_DYNAMICS:
+    t.mode = TimeMode::static_by_damped_dynamics;
+    break;
+  case v1::StructureTime::STATIC_BY_NEWTON:
+    t.mode = TimeMode::static_by_newton;
+    break;
+  }
+  switch (m.scheme()) {
+  case v1::StructureTime::GENERALISED_ALPHA:
+    t.scheme = TimeScheme::generalised_alpha;
+    break;
+  case v1::StructureTime::HHT:
+    t.scheme = TimeScheme::hht;
+    break;
+  case v1::StructureTime::NEWMARK:
+    t.scheme = TimeScheme::newmark;
+    break;
+  }
+  t.hht_alpha = m.hht_alpha();
+  t.newmark_beta = m.newmark_beta();
+  t.newmark_gamma = m.newmark_gamma();
+  t.stiffness_damping = m.stiffness_damping();
+  t.max_halvings = m.max_halvings();
+  t.ramp_loads = m.ramp_loads();
   t.step = m.step();
   t.steps = m.steps();
   t.rho_infinity = m.rho_infinity();
@@ -95,6 +145,12 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   for (const auto& g : m.traction()) s.tractions.push_back({g.group(), expression(g.value())});
   for (const auto& g : m.force()) s.forces.push_back({g.group(), expression(g.value())});
   s.gravity = expression(m.gravity());
+  for (const auto& g : m.point_drag()) s.point_drag.push_back(drag(g));
+  for (const auto& g : m.line_drag()) s.line_drag.push_back(drag(g));
+  for (int i = 0; i < m.natural_length_size(); ++i)
+    s.natural_lengths.push_back(natural_length(
+        m.natural_length(i), s.source.where(fmt::format("natural_length[{}].point", i)), report));
+  if (m.has_initial_velocity()) s.initial_velocity = expression(m.initial_velocity());
   s.time = time(m.time());
   s.newton = {m.newton().displacement_tolerance(), m.newton().residual_tolerance(),
               m.newton().max_iterations(), m.newton().iterations_per_coupling(), m.newton().load_stiffness()};

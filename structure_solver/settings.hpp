@@ -12,6 +12,7 @@
 #include "common/config/expression.hpp"
 #include "structure_solver/elements/line.hpp"
 #include "structure_solver/elements/membrane.hpp"
+#include "structure_solver/length_schedule.hpp"
 
 namespace drogue::structure {
 
@@ -43,12 +44,24 @@ struct VectorLoadSettings {
   std::string group;
   config::VectorExpression value;
 };
+/// k |w| w on points, or on lines per length.
+struct DragSettings {
+  std::string group;
+  double k = 0; ///< 1/2 rho C_d A of a point, 1/2 rho C_d d of a line
+  config::VectorExpression air_velocity;
+  bool cross_flow = false;
+};
+struct NaturalLengthSettings {
+  std::string group;
+  LengthSchedule schedule;
+};
 struct ProbeSettings {
   std::string name;
   std::array<double, 3> position{};
 };
 
-enum class TimeMode { dynamic, static_by_damped_dynamics };
+enum class TimeMode { dynamic, static_by_damped_dynamics, static_by_newton };
+enum class TimeScheme { generalised_alpha, hht, newmark };
 
 struct TimeSettings {
   TimeMode mode = TimeMode::dynamic;
@@ -60,6 +73,12 @@ struct TimeSettings {
   double largest_time = 100;
   double unbalance = 2.5e-3;
   bool balanced_start = false;
+  TimeScheme scheme = TimeScheme::generalised_alpha;
+  double hht_alpha = -0.05;
+  double newmark_beta = 0.25, newmark_gamma = 0.5;
+  double stiffness_damping = 0;
+  int max_halvings = 8;
+  bool ramp_loads = true;
 };
 
 struct NewtonSettings {
@@ -93,6 +112,10 @@ struct Settings {
   std::vector<VectorLoadSettings> tractions;
   std::vector<VectorLoadSettings> forces;
   config::VectorExpression gravity;
+  std::vector<DragSettings> point_drag;
+  std::vector<DragSettings> line_drag;
+  std::vector<NaturalLengthSettings> natural_lengths;
+  std::optional<config::VectorExpression> initial_velocity;
   TimeSettings time;
   NewtonSettings newton;
   std::string interface;

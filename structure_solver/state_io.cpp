@@ -25,6 +25,9 @@ Result<void> save_state(const std::filesystem::path& file, const Model& model, c
   out.add("velocity", shape, state.v);
   out.add("acceleration", shape, state.a);
   if (!state.interface_force.empty()) out.add("interface_force", shape, state.interface_force);
+  const EnergyLedger& l = state.ledger;
+  if (l.start) out.add("energy", {5}, {*l.start, l.external, l.support, l.actuator, l.damping});
+  out.add("halvings", {1}, {static_cast<double>(state.halvings)});
   return io::write_state(file, out);
 }
 
@@ -55,6 +58,12 @@ Result<State> read_state(const std::filesystem::path& file, const Model& model) 
     if (!force) return force.error();
     state.interface_force = std::move(*force);
   }
+  if (const io::StateArray* energy = in->find("energy"); energy && energy->values.size() == 5) {
+    const std::vector<double>& e = energy->values;
+    state.ledger = {e[0], e[1], e[2], e[3], e[4]};
+  }
+  if (const io::StateArray* halvings = in->find("halvings"); halvings && halvings->values.size() == 1)
+    state.halvings = static_cast<int>(halvings->values[0]);
   return state;
 }
 

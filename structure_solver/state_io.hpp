@@ -9,7 +9,8 @@
 namespace drogue::structure {
 
 /// State files of kind "structure": arrays "displacement", "velocity", "acceleration" and, after a coupled
-/// step, "interface_force", each {nodes, 3}. Reading gives back every bit.
+/// step, "interface_force", each {nodes, 3}; "energy" {5}, the ledger from its start energy on (absent before
+/// the first step), and "halvings" {1}. Reading gives back every bit.
 [[nodiscard]] Result<void> save_state(const std::filesystem::path& file, const Model& model,
                                       const State& state);
 

@@ -29,6 +29,17 @@ struct Batch {
   }
 };
 
+/// An element's reference with its natural length times `factor`. Only lines have one.
+template <class Reference>
+[[nodiscard]] const Reference& at_length(const Reference& reference, double /*factor*/) noexcept {
+  return reference;
+}
+[[nodiscard]] inline Line::Reference at_length(const Line::Reference& reference, double factor) noexcept {
+  Line::Reference scaled = reference;
+  scaled.natural_length *= factor;
+  return scaled;
+}
+
 /// The registered elements.
 using AnyBatch = std::variant<                 //
     Batch<Membrane<mesh::ElementKind::tri3>>,  //

@@ -36,10 +36,14 @@ Model loaded_model(ElementKind kind) {
   s.pressures = {{"cloth", test::expression("20 + 5*x - 3*y + t")}};
   s.tractions = {{"cloth", test::vector("1", "2*x", "3*t")}};
   s.gravity = test::vector("0", "0", "-9.81");
+  s.point_drag = {{"corner", 0.4, test::vector("1 + 0.3*x", "y*z", "t - 2"), false}};
+  s.line_drag = {{"hem", 3.0, test::vector("2*y", "x + z", "3"), false},
+                 {"hem", 4.0, test::vector("1", "y*y", "2"), true}};
+  s.natural_lengths = {{"hem", {{{0, 1}, {0.1, 0.9}}, true, test::expression("1 + 0.1*t")}}};
   return test::model(s, std::move(mesh));
 }
 
-void check_whole_tangent(ElementKind kind) {
+void check_whole_tangent(ElementKind kind, GeneralisedAlpha scheme) {
   const Model model = loaded_model(kind);
   State state = rest_state(model);
   Numbers numbers;
@@ -48,7 +52,9 @@ void check_whole_tangent(ElementKind kind) {
     state.v[i] = numbers();
     state.a[i] = 10 * numbers();
   }
-  Integrator integrator(model, {0.6, 3.0, {.load_stiffness = true}}, state);
+  Integrator::Options options{scheme, 3.0, {.load_stiffness = true}};
+  options.stiffness_damping = 0.01;
+  Integrator integrator(model, options, state);
   integrator.begin_step(0.05, Integrator::Predictor::extrapolate);
 
   const std::size_t n = model.equation_count();
@@ -79,19 +85,26 @@ void check_whole_tangent(ElementKind kind) {
 }
 
 TEST(Integrator, TangentOfTheWholeResidual) {
-  check_whole_tangent(ElementKind::tri3);
-  check_whole_tangent(ElementKind::quad9);
+  check_whole_tangent(ElementKind::tri3, 0.6);
+  check_whole_tangent(ElementKind::quad9, 0.6);
+  check_whole_tangent(ElementKind::tri3, GeneralisedAlpha::hht(-0.2));
+  check_whole_tangent(ElementKind::tri3, GeneralisedAlpha::newmark(0.3, 0.6));
 }
 
 /// Residual, tangent and energy have the same bits whatever the number of threads.
 void check_threads(ElementKind kind) {
   const Model model = loaded_model(kind);
-  const LoadValues loads = evaluate_loads(model, 0.3);
+  const LoadValues loads = *evaluate_loads(model, 0.3);
   std::vector<double> u(model.equation_count()), reference(u.size()), r(u.size());
   Numbers numbers;
   for (double& value : u) value = 0.02 * numbers();
-  const Assembler::Request request{
-      .displacement = u, .loads = loads, .tangent = true, .tangent_scale = 0.7, .load_stiffness = true};
+  const Assembler::Request request{.displacement = u,
+                                   .load_displacement = u,
+                                   .loads = loads,
+                                   .tangent = true,
+                                   .tangent_scale = 0.7,
+                                   .load_scale = 0.7,
+                                   .load_stiffness = true};
   Assembler alone(model, 1);
   const double energy = alone.assemble(request, reference);
   EXPECT_GT(energy, 0);

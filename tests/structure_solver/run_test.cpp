@@ -2,6 +2,7 @@
 //
 // Whole runs through files: restart, static equilibrium, results, the participant's promises, what `check`
 // reports.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -89,6 +90,135 @@ TEST_F(Files, HalfARunTwiceIsTheWholeRunToTheBit) {
   EXPECT_NE(whole, read("half.state"));
 }
 
+/// What a run carries besides displacement and rates survives a restart too: a hem that is drawn in, a moving
+/// edge, dampings, drag, the account of energy, and a step that Newton has halved.
+TEST_F(Files, RestartAmidHalvedStepsAndMovingLengthsIsTheSameToTheBit) {
+  const auto config = [](int steps, const std::string& more) {
+    return fmt::format(R"(
+      mesh: "cloth.msh"
+      membrane {{ group: "cloth" thickness: 0.01 density: 6 youngs_modulus: 2e5 }}
+      cable {{ group: "hem" area: 1e-3 density: 6 youngs_modulus: 4e6 slack_strain: 1e-3 }}
+      natural_length {{ group: "hem" point {{ time: 0.01 factor: 1 }} point {{ time: 0.2 factor: 0.7 }} }}
+      support {{ group: "edge" displacement {{ z: "sin(20*t)/10" }} }}
+      line_drag {{ group: "hem" drag_coefficient: 1 diameter: 0.03 air_density: 1.2 air_velocity {{ z: "5" }} }}
+      pressure {{ group: "cloth" value: "400*t" }}
+      newton {{ max_iterations: 4 displacement_tolerance: 1e-9 residual_tolerance: 1e-12 }}
+      time {{ step: 0.04 steps: {} scheme: HHT hht_alpha: -0.1 mass_damping: 0.5 stiffness_damping: 1e-4 }} {})",
+                       steps, more);
+  };
+  write("whole.textproto", config(6, "final_state: \"whole.state\" output { directory: \"whole\" }"));
+  write("first.textproto", config(3, "final_state: \"half.state\" output { directory: \"halves\" }"));
+  write(
+      "second.textproto",
+      config(3,
+             "initial_state: \"half.state\" final_state: \"twice.state\" output { directory: \"halves\" }"));
+  for (const char* name : {"whole.textproto", "first.textproto", "second.textproto"}) {
+    const auto done = run_file(name);
+    ASSERT_TRUE(done) << name << ": " << done.error().message;
+  }
+  const Case c = load("whole.textproto");
+  const auto half = read_state("half.state", *c.model);
+  ASSERT_TRUE(half);
+  EXPECT_GT(half->halvings, 0) << "the case is too easy: no step was halved";
+  EXPECT_EQ(read("whole.state"), read("twice.state"));
+  const auto last_line = [](const std::string& text) {
+    return text.substr(text.rfind('\n', text.size() - 2));
+  };
+  EXPECT_EQ(last_line(read("whole/structure.csv")), last_line(read("halves/structure_from_4.csv")));
+}
+
+TEST_F(Files, DivergenceNamesNodesKeepsTheLastGoodStateAndIsANumericalError) {
+  write("diverge.textproto", std::string(properties) + R"(
+    pressure { group: "cloth" value: "1e9*t*t" }
+    newton { max_iterations: 3 }
+    time { step: 0.01 steps: 10 max_halvings: 2 }
+    output { directory: "out" }
+  )");
+  const auto done = run_file("diverge.textproto");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(exit_status(done.error()), 3);
+  const std::string& text = done.error().message;
+  EXPECT_NE(text.find("of \"cloth\""), std::string::npos) << text;
+  EXPECT_NE(text.find("last_good.state"), std::string::npos) << text;
+  const Case c = load("diverge.textproto");
+  const auto state = read_state("out/last_good.state", *c.model);
+  ASSERT_TRUE(state) << state.error().message;
+  EXPECT_TRUE(std::all_of(state->u.begin(), state->u.end(), [](double u) { return std::isfinite(u); }));
+  EXPECT_TRUE(fs::exists("out/structure.pvd"));
+}
+
+/// Newton's statics and damped dynamics find the same equilibrium of a prestressed sheet.
+TEST_F(Files, BothStaticsAgree) {
+  const std::string sheet = R"(
+    mesh: "cloth.msh" ignore_group: "hem"
+    membrane { group: "cloth" thickness: 0.01 density: 6 youngs_modulus: 2e5 prestress: 1000 }
+    support { group: "edge" }
+    pressure { group: "cloth" value: "60" }
+    newton { load_stiffness: true displacement_tolerance: 1e-10 }
+    output { field_interval: 0 }
+  )";
+  write("newton.textproto",
+        sheet + "final_state: \"newton.state\" time { mode: STATIC_BY_NEWTON step: 0.25 steps: 4 }");
+  write("damped.textproto", sheet + R"(final_state: "damped.state"
+    time { mode: STATIC_BY_DAMPED_DYNAMICS step: 0.05 largest_step: 1 rho_infinity: 0 mass_damping: 20 unbalance: 1e-9 })");
+  for (const char* name : {"newton.textproto", "damped.textproto"}) {
+    const auto done = run_file(name);
+    ASSERT_TRUE(done) << name << ": " << done.error().message;
+  }
+  const Case c = load("newton.textproto");
+  const auto a = read_state("newton.state", *c.model), b = read_state("damped.state", *c.model);
+  ASSERT_TRUE(a && b);
+  EXPECT_GT(a->u[3 * 12 + 2], 0.05);
+  for (std::size_t i = 0; i < a->u.size(); ++i) EXPECT_NEAR(a->u[i], b->u[i], 1e-8);
+}
+
+TEST_F(Files, MechanismIsRefused) {
+  write("flat.textproto",
+        std::string(properties) + "time { mode: STATIC_BY_NEWTON } output { field_interval: 0 }");
+  const auto done = run_file("flat.textproto");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(exit_status(done.error()), 2);
+  EXPECT_NE(done.error().message.find("of \"cloth\""), std::string::npos) << done.error().message;
+}
+
+TEST_F(Files, CheckRefusesWhatOnlyTheStartTells) {
+  write("wrong.textproto", R"(mesh: "cloth.msh"
+membrane { group: "cloth" thickness: 0.01 density: 6 youngs_modulus: 2e5 }
+cable { group: "hem" area: 1e-3 density: 6 youngs_modulus: 4e6 }
+support { group: "edge" }
+pressure { group: "cloth" value: "1/(x-x)+0" }
+force { group: "hem" value { z: "sqrt(t-1)+0" } }
+probe { name: "far" x: 5 y: 0.5 z: 0 }
+natural_length { group: "hem" factor: "t" }
+)");
+  const auto checked = check_case("wrong.textproto");
+  ASSERT_FALSE(checked);
+  const std::string& text = checked.error().message;
+  EXPECT_NE(text.find("wrong.textproto:5:"), std::string::npos) << text;
+  EXPECT_NE(text.find("pressure on group \"cloth\", \"1/(x-x)+0\""), std::string::npos) << text;
+  EXPECT_NE(text.find("force on group \"hem\""), std::string::npos) << text;
+  EXPECT_NE(text.find("probe \"far\" at (5, 0.5, 0) is 4 away"), std::string::npos) << text;
+  EXPECT_NE(text.find("natural length of group \"hem\""), std::string::npos) << text;
+}
+
+TEST_F(Files, CheckRefusesContradictoryRolesAndUnknownGroupsEverywhere) {
+  write("wrong.textproto", std::string(properties) + R"(
+truss { group: "hem" area: 1e-3 density: 6 youngs_modulus: 4e6 }
+ignore_group: "cloth"
+point_drag { group: "edg" drag_coefficient: 1 area: 1 air_density: 1.2 }
+line_drag { group: "cloth" drag_coefficient: 1 diameter: 0.1 air_density: 1.2 }
+natural_length { group: "hen" }
+)");
+  const auto checked = check_case("wrong.textproto");
+  ASSERT_FALSE(checked);
+  const std::string& text = checked.error().message;
+  EXPECT_NE(text.find("group \"hem\" is named here and in cable[0].group"), std::string::npos) << text;
+  EXPECT_NE(text.find("group \"cloth\" is named here and in membrane[0].group"), std::string::npos) << text;
+  EXPECT_NE(text.find("did you mean \"edge\""), std::string::npos) << text;
+  EXPECT_NE(text.find("did you mean \"hem\""), std::string::npos) << text;
+  EXPECT_NE(text.find("group \"cloth\" is not a cable or truss"), std::string::npos) << text;
+}
+
 TEST_F(Files, StaticRunStopsInEquilibriumAndWritesResults) {
   write("static.textproto", std::string(properties) + R"(
     pressure { group: "cloth" value: "40" }
@@ -107,10 +237,18 @@ TEST_F(Files, StaticRunStopsInEquilibriumAndWritesResults) {
   EXPECT_GT(state->u[3 * 12 + 2], 0.01);
   EXPECT_TRUE(fs::exists("out/structure.pvd"));
 
-  // the last row of probes.csv is the centre node's displacement
-  const std::string probes = read("out/probes.csv");
-  const std::string last = probes.substr(probes.rfind('\n', probes.size() - 2) + 1);
-  EXPECT_DOUBLE_EQ(std::stod(last.substr(last.rfind(',') + 1)), state->u[3 * 12 + 2]);
+  // the last row of probes.csv is the centre node's displacement, velocity and acceleration
+  std::istringstream probes(read("out/probes.csv"));
+  std::string header, row, cell;
+  std::getline(probes, header);
+  EXPECT_EQ(header.rfind("time,centre_x,centre_y,centre_z,centre_velocity_x", 0), 0U) << header;
+  for (std::string line; std::getline(probes, line);) row = line;
+  std::vector<double> values;
+  for (std::istringstream cells(row); std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
+  ASSERT_EQ(values.size(), 10U);
+  EXPECT_DOUBLE_EQ(values[3], state->u[3 * 12 + 2]);
+  EXPECT_DOUBLE_EQ(values[6], state->v[3 * 12 + 2]);
+  EXPECT_DOUBLE_EQ(values[9], state->a[3 * 12 + 2]);
 
   // reactions balance weight and pressure: read the last row of structure.csv by its header
   const std::string series = read("out/structure.csv");
@@ -240,6 +378,48 @@ TEST_F(CoupledRun, CheckpointAndRestoreContinueToTheBit) {
   EXPECT_TRUE(fs::exists("run/structure.csv"));
 }
 
+TEST_F(CoupledRun, StepsCountAsTheCouplersDoAndTheLastFieldsAreWritten) {
+  write("coupled.textproto", std::string(properties) + "interface: \"cloth\" output { field_interval: 100 }");
+  auto solver = start();
+  std::vector<double> d(75, 0.0);
+  (void)step(*solver, 1, d);
+  ASSERT_TRUE(solver->commit(true));
+  (void)step(*solver, 2, d);
+  ASSERT_TRUE(solver->rollback()); // RETRY
+  (void)step(*solver, 2, d);
+  ASSERT_TRUE(solver->commit(true));
+  EXPECT_FALSE(fs::exists("run/structure_000002.vtu"));
+  ASSERT_TRUE(solver->finish());
+  EXPECT_TRUE(fs::exists("run/structure_000002.vtu"));
+  const std::string series = read("run/structure.csv");
+  const std::string last = series.substr(series.rfind('\n', series.size() - 2) + 1);
+  EXPECT_EQ(last.substr(last.find(','), 3), ",2,");
+}
+
+/// A hem that is drawn in lifts the cloth in a coupled run as well.
+TEST_F(CoupledRun, NaturalLengthsFollowTheCouplersClock) {
+  write("coupled.textproto",
+        std::string(properties) +
+            "interface: \"cloth\" natural_length { group: \"hem\" factor: \"1 - 5*t\" }");
+  auto solver = start();
+  std::vector<double> d(75, 0.0);
+  for (std::uint64_t k = 1; k <= 2; ++k) {
+    (void)step(*solver, k, d, 1);
+    ASSERT_TRUE(solver->commit(true));
+  }
+  const std::string series = read("run/structure.csv");
+  EXPECT_NE(series.find("actuator_work"), std::string::npos);
+  std::istringstream lines(series);
+  std::string header, row, name, cell;
+  std::getline(lines, header);
+  for (std::string line; std::getline(lines, line);) row = line;
+  std::istringstream names(header), cells(row);
+  double work = 0;
+  while (std::getline(names, name, ',') && std::getline(cells, cell, ','))
+    if (name == "actuator_work") work = std::stod(cell);
+  EXPECT_GT(work, 0);
+}
+
 TEST_F(CoupledRun, OneNewtonStepAnIterateConvergesToTheStepsSolution) {
   auto solver = start();
   std::vector<double> d(75, 0.0), exact(75, 0.0);
@@ -253,10 +433,10 @@ TEST_F(CoupledRun, OneNewtonStepAnIterateConvergesToTheStepsSolution) {
 
 TEST_F(CoupledRun, NeedsAnInterface) {
   write("coupled.textproto", properties);
-  Coupled solver(load("coupled.textproto"));
-  const auto configured = solver.configure({fs::current_path(), 0, 0.01});
-  ASSERT_FALSE(configured);
-  EXPECT_EQ(configured.error().kind, ErrorKind::config);
+  const auto loaded = load_case("coupled.textproto", Role::participant);
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().kind, ErrorKind::config);
+  EXPECT_NE(loaded.error().message.find("a participant needs interface"), std::string::npos);
 }
 
 TEST_F(Files, ASignalEndsTheProgramAfterTheStepWithItsState) {

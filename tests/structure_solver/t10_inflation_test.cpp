@@ -87,7 +87,7 @@ TEST(T10, InflationFromTheFlatPattern) {
     radius = std::max(
         radius, std::hypot(model.mesh.points[i] + state->u[i], model.mesh.points[i + 1] + state->u[i + 1]));
   }
-  const StressFields stress = stress_fields(model, state->u);
+  const StressFields stress = stress_fields(model, state->u, state->time);
   Integrator integrator(model, c->integrator_options(), *state);
   const double line_force = -integrator.balance().reactions[0][2];
 

@@ -127,10 +127,10 @@ inline mesh::Mesh triangle_disk(int rings) {
 /// tangent and the lumped mass: subspace iteration with 2 count + 8 vectors until they stand still.
 inline std::vector<double> frequencies(const Model& model, const std::vector<double>& u, int count) {
   Assembler assembler(model, 1);
-  const LoadValues loads = evaluate_loads(model, 0);
+  const LoadValues loads = *evaluate_loads(model, 0);
   const auto n = static_cast<Eigen::Index>(model.equation_count());
   std::vector<double> residual(model.equation_count());
-  assembler.assemble({.displacement = u, .loads = loads, .tangent = true}, residual);
+  assembler.assemble({.displacement = u, .load_displacement = u, .loads = loads, .tangent = true}, residual);
   assembler.eliminate_held();
   la::CholeskySolver solver;
   const auto positive = solver.factor(assembler.tangent());

@@ -55,7 +55,7 @@ Inflated inflate(bool compatible) {
   for (const std::int32_t node : edge)
     skirt += test::place(model, state, node)(2) / static_cast<double>(edge.size());
   r.crown_height = test::place(model, state, model.mesh.nodes_of("apex").front())(2) - skirt;
-  const StressFields stress = stress_fields(model, state.u);
+  const StressFields stress = stress_fields(model, state.u, state.time);
   r.largest_stress = stress.max_stress;
   r.smallest_stress = stress.min_stress;
   r.suspension_tension = largest_tension(model, state, "suspension_lines");
