@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surfaces.hpp"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace drogue::projection::test {
 namespace {
@@ -248,12 +247,6 @@ Point wavy(const Point& p) {
   return {f(p[0], p[1], p[2]), f(p[1], p[2], p[0]), f(p[2], p[0], p[1])};
 }
 
-Interface pair(const Surface& structure, const Surface& fluid, const Settings& settings) {
-  auto made = make_interface(structure, fluid, settings);
-  if (!made) ADD_FAILURE() << made.error().message;
-  return std::move(made).value();
-}
-
 double relative_error(const std::vector<double>& a, const std::vector<double>& b) {
   double difference = 0, size = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -264,7 +257,7 @@ double relative_error(const std::vector<double>& a, const std::vector<double>& b
 }
 
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  EXPECT_EQ(a.size(), b.size());
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
   return largest;

@@ -43,10 +43,12 @@ void turn_over(Surface& surface);
 std::vector<double> sample(const Surface& surface, const std::function<Point(const Point&)>& f);
 /// (f(x,y,z), f(y,z,x), f(z,x,y)) with f = sin 4x cos 3y + z.
 Point wavy(const Point& x);
+/// Pairs the two; a failure of the running test when they do not fit.
 Interface pair(const Surface& structure, const Surface& fluid, const Settings& settings = {});
 
 /// sqrt(sum |a - b|^2 / sum |b|^2)
 double relative_error(const std::vector<double>& a, const std::vector<double>& b);
+/// Infinite when the sizes differ.
 double largest_difference(const std::vector<double>& a, const std::vector<double>& b);
 
 } // namespace drogue::projection::test
