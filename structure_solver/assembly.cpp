@@ -26,7 +26,7 @@ std::vector<NodePair> coupled_nodes(const Model& model) {
   for (const AnyPressureBatch& any : model.pressure_batches)
     std::visit(
         [&](const auto& batch) {
-          constexpr int n = SurfaceTraits<std::decay_t<decltype(batch)>::kind>::nodes;
+          constexpr int n = ElementTraits<std::decay_t<decltype(batch)>::kind>::nodes;
           for (std::size_t e = 0; e < batch.count(); ++e) add_pairs(&batch.nodes[e * n], n, pairs);
         },
         any);
@@ -73,7 +73,7 @@ Assembler::Assembler(const Model& model, int threads)
     std::visit(
         [&](const auto& batch) {
           pressure_slots_.push_back(
-              slots(tangent_, batch.nodes, SurfaceTraits<std::decay_t<decltype(batch)>::kind>::nodes));
+              slots(tangent_, batch.nodes, ElementTraits<std::decay_t<decltype(batch)>::kind>::nodes));
         },
         any);
 }
@@ -159,8 +159,8 @@ void Assembler::add_pressure(int worker, const Request& request, std::span<doubl
   const bool stiffness = request.tangent && request.load_stiffness;
   const auto add = [&](const auto& batch, std::size_t k) {
     constexpr mesh::ElementKind kind = std::decay_t<decltype(batch)>::kind;
-    constexpr int n = SurfaceTraits<kind>::nodes;
-    const SurfaceRule<kind>& rule = surface_rule<kind>();
+    constexpr int n = ElementTraits<kind>::nodes;
+    const ElementRule<kind>& rule = element_rule<kind>();
     const std::vector<double>& pressure = request.loads.pressure[batch.load];
     Response<n> response;
     typename FollowerPressure<kind>::NodalPressure p;

@@ -74,7 +74,7 @@ void check_participant(const Settings& s, config::Report& report) {
   const config::Source& source = s.source;
   if (s.interface.empty())
     report.error(source.where("interface"),
-                 "a participant needs interface: the membrane group that meets the fluid");
+                 "a participant needs interface: the group of surfaces that meets the fluid");
   if (s.time.mode != TimeMode::dynamic)
     report.error(source.where("time.mode"),
                  "a participant needs time.mode: DYNAMIC; static equilibrium is for a stand-alone run");

@@ -2,6 +2,7 @@
 #include "structure_solver/coupled.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/base/log.hpp"
@@ -22,6 +23,31 @@ std::vector<double> gather(std::span<const double> values, std::span<const std::
   for (const std::int32_t node : nodes)
     for (std::size_t c = 0; c < k; ++c) result.push_back(values[k * static_cast<std::size_t>(node) + c]);
   return result;
+}
+
+/// How an element of second order, or a quadrilateral, is made of triangles on its own nodes.
+std::span<const std::array<std::size_t, 3>> triangles_of(mesh::ElementKind kind) {
+  static constexpr std::array<std::size_t, 3> tri3[] = {{0, 1, 2}};
+  static constexpr std::array<std::size_t, 3> tri6[] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
+  static constexpr std::array<std::size_t, 3> quad4[] = {{0, 1, 2}, {0, 2, 3}};
+  if (kind == mesh::ElementKind::tri6) return tri6;
+  if (kind == mesh::ElementKind::quad4) return quad4;
+  return tri3;
+}
+
+/// The elements of the surface: nine-node quadrilaterals as they are, everything else as triangles.
+void add_elements(const mesh::ElementBlock& block, std::span<const std::int32_t> interface_nodes,
+                  participant::InterfaceMesh& out) {
+  const auto index = [&](std::int32_t node) {
+    return std::lower_bound(interface_nodes.begin(), interface_nodes.end(), node) - interface_nodes.begin();
+  };
+  if (block.kind == mesh::ElementKind::quad9) {
+    for (const std::int32_t node : block.nodes) out.quadrangles9.push_back(index(node));
+    return;
+  }
+  for (std::int32_t e = 0; e < block.count(); ++e)
+    for (const auto& triangle : triangles_of(block.kind))
+      for (const std::size_t a : triangle) out.triangles.push_back(index(block.element(e)[a]));
 }
 
 std::vector<double> material_coordinates(const mesh::Mesh& mesh, std::span<const std::int32_t> nodes) {
@@ -75,11 +101,8 @@ Result<participant::InterfaceMesh> Coupled::initialize() {
   out.mesh_nodes.assign(nodes_.begin(), nodes_.end());
   out.mesh_node_count = model.node_count();
   out.mesh_hash = model.mesh_hash;
-  for (const mesh::ElementBlock* block : mesh.blocks_of(case_.settings.interface)) {
-    auto& elements = block->kind == mesh::ElementKind::quad9 ? out.quadrangles9 : out.triangles;
-    for (const std::int32_t node : block->nodes)
-      elements.push_back(std::lower_bound(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
-  }
+  for (const mesh::ElementBlock* block : mesh.blocks_of(case_.settings.interface))
+    add_elements(*block, nodes_, out);
   return out;
 }
 

@@ -30,39 +30,46 @@ struct Sums {
   double min_stress = std::numeric_limits<double>::infinity();
 };
 
-template <mesh::ElementKind Kind>
-void add(const Batch<Membrane<Kind>>& batch, const Model& model, std::span<const double> u, double /*length*/,
+template <class Kernel>
+constexpr bool is_membrane = std::is_same_v<typename Kernel::Material, MembraneMaterial>;
+
+/// Membranes and solids.
+template <class Kernel>
+void add(const Batch<Kernel>& batch, const Model& model, std::span<const double> u, double /*length*/,
          Sums& sums) {
-  using Kernel = Membrane<Kind>;
-  const auto& rule = surface_rule<Kind>();
+  const auto& rule = element_rule<Kernel::kind>();
   for (std::size_t e = 0; e < batch.count(); ++e) {
     const auto& reference = batch.reference[e];
     const auto x = positions<Kernel>(model, u, batch.element(e));
-    double area = 0, largest = 0, smallest = 0, state = 0;
+    double total = 0, largest = 0, smallest = 0, state = 0;
     for (std::size_t q = 0; q < Kernel::points; ++q) {
       const auto at = Kernel::point_state(reference, batch.material, x, q);
       const PrincipalStress p = Kernel::principal_stress(at);
       sums.max_stress = std::max(sums.max_stress, p.largest);
       sums.min_stress = std::min(sums.min_stress, p.smallest);
-      const double dA = reference.area[q];
-      area += dA;
-      largest += p.largest * dA;
-      smallest += p.smallest * dA;
-      state += static_cast<double>(at.wrinkle_state) * dA;
-      if (at.wrinkle_state != WrinkleState::taut) sums.wrinkled_area += dA;
+      const double dV = reference.measure[q];
+      total += dV;
+      largest += p.largest * dV;
+      smallest += p.smallest * dV;
+      if constexpr (is_membrane<Kernel>) {
+        state += static_cast<double>(at.wrinkle_state) * dV;
+        if (at.wrinkle_state != WrinkleState::taut) sums.wrinkled_area += dV;
+      } else {
+        state += static_cast<double>(WrinkleState::taut) * dV;
+      }
       for (int a = 0; a < Kernel::nodes; ++a) {
         const auto node = static_cast<std::size_t>(batch.element(e)[a]);
-        const double w = rule.points[q].N(a) * dA;
+        const double w = rule.points[q].N(a) * rule.points[q].N(a) * dV;
         sums.weight[node] += w;
         sums.fields.nodal_largest[node] += w * p.largest;
         sums.fields.nodal_smallest[node] += w * p.smallest;
       }
     }
-    sums.fields.cell_largest.push_back(largest / area);
-    sums.fields.cell_smallest.push_back(smallest / area);
+    sums.fields.cell_largest.push_back(largest / total);
+    sums.fields.cell_smallest.push_back(smallest / total);
     sums.fields.cell_tension.push_back(0);
-    sums.fields.cell_wrinkle_state.push_back(state / area);
-    sums.area += area;
+    sums.fields.cell_wrinkle_state.push_back(state / total);
+    if constexpr (is_membrane<Kernel>) sums.area += total;
   }
 }
 

@@ -10,18 +10,18 @@ namespace drogue::structure {
 
 /// Stresses and tensions of a configuration, for output.
 ///
-/// Cells run over the batches of the model in order. Nodal stresses are means over the adjoining membranes,
-/// weighted with N_a dA; nodes on lines alone have 0.
+/// Cells run over the batches of the model in order. Nodal stresses are means over the adjoining membranes
+/// and solids, weighted with N_a^2 dV; nodes on lines alone have 0.
 struct StressFields {
   std::vector<double>
-      cell_largest; ///< largest principal second Piola-Kirchhoff stress, mean of a membrane; 0 on lines
+      cell_largest; ///< largest principal second Piola-Kirchhoff stress, mean of the element; 0 on lines
   std::vector<double> cell_smallest;
-  std::vector<double> cell_tension; ///< tension of a line [force]; 0 on membranes
+  std::vector<double> cell_tension; ///< tension of a line [force]; 0 on other elements
   /// 0 slack, 1 wrinkled, 2 taut (WrinkleState), mean over a membrane's points; a line is slack or taut.
   std::vector<double> cell_wrinkle_state;
   std::vector<double> nodal_largest;  ///< {nodes}
   std::vector<double> nodal_smallest; ///< {nodes}
-  double max_stress = 0;              ///< over the quadrature points; 0 without membranes
+  double max_stress = 0;              ///< over the quadrature points; 0 without any
   double min_stress = 0;
   double max_tension = 0;
   double slack_fraction = 0; ///< of all tension-only elements; 0 without any

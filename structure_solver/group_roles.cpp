@@ -39,6 +39,7 @@ class Uses {
 void check_group_roles(const Settings& settings, config::Report& report) {
   Uses elements("group", settings.source, report);
   elements.add_all("membrane", settings.membranes);
+  elements.add_all("solid", settings.solids);
   elements.add_all("cable", settings.cables);
   elements.add_all("truss", settings.trusses);
   for (std::size_t i = 0; i < settings.ignored_groups.size(); ++i)

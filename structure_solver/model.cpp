@@ -23,6 +23,48 @@ typename Response<Nodes>::Positions gather(const std::vector<double>& points, co
   return X;
 }
 
+/// The reference of a kernel whose elements start from the mesh as it is.
+constexpr auto usual_reference = []<class Kernel>(std::type_identity<Kernel>, const auto& X) {
+  return Kernel::reference(X);
+};
+
+/// Calls f(std::integral_constant<ElementKind, kind>) when `kind` is one that can carry a pressure and has
+/// the dimension; false otherwise.
+template <class F>
+bool with_surface_kind(ElementKind kind, int dimension, const F& f) {
+  const auto offer = [&]<ElementKind Kind>(std::type_identity<PressureBatch<Kind>>) {
+    const bool found = kind == Kind && ElementTraits<Kind>::dimension == dimension;
+    if (found) f(std::integral_constant<ElementKind, Kind>());
+    return found;
+  };
+  return [&]<class... B>(std::type_identity<std::variant<B...>>) {
+    return (offer(std::type_identity<B>()) || ...);
+  }(std::type_identity<AnyPressureBatch>());
+}
+
+/// The kinds of that dimension that can carry a pressure.
+std::vector<ElementKind> surface_kinds(int dimension) {
+  return dimension == 1
+             ? std::vector{ElementKind::line2, ElementKind::line3}
+             : std::vector{ElementKind::tri3, ElementKind::tri6, ElementKind::quad4, ElementKind::quad9};
+}
+
+/// Adds int N_a dA of the elements of a block to its nodes; on edges int N_a ds.
+template <ElementKind Kind>
+void add_nodal_areas(const std::vector<double>& points, const ElementBlock& block,
+                     std::vector<double>& area) {
+  constexpr int n = ElementTraits<Kind>::nodes;
+  for (std::int32_t e = 0; e < block.count(); ++e) {
+    const auto X = gather<n>(points, block.element(e).data());
+    for (const auto& point : element_rule<Kind>().points) {
+      const Eigen::Matrix<double, 3, ElementTraits<Kind>::dimension> G = X.lazyProduct(point.dN);
+      const double dA = point.weight * std::sqrt((G.transpose() * G).eval().determinant());
+      for (int a = 0; a < n; ++a)
+        area[static_cast<std::size_t>(block.element(e)[static_cast<std::size_t>(a)])] += point.N(a) * dA;
+    }
+  }
+}
+
 /// Builds a model step by step, collecting errors.
 class Builder {
  public:
@@ -38,10 +80,12 @@ class Builder {
   std::optional<Model> build() {
     const std::size_t errors_before = report_.lines().size();
     add_membranes();
+    add_solids();
     add_lines("cable", settings_.cables);
     add_lines("truss", settings_.trusses);
     add_masses();
     add_supports();
+    if (settings_.plane) hold_plane();
     add_pressures();
     add_tractions();
     add_forces();
@@ -64,9 +108,41 @@ class Builder {
     return false;
   }
 
-  void wrong_kind(const std::string& field, const ElementBlock& block, const char* wanted) {
-    report_.error(where(field), fmt::format("group \"{}\" holds {} elements; {} are needed here", block.group,
-                                            mesh::name(block.kind), wanted));
+  /// @param wanted  kinds that would do
+  void wrong_kind(const std::string& field, const ElementBlock& block,
+                  const std::vector<ElementKind>& wanted) {
+    std::vector<std::string_view> names;
+    for (const ElementKind kind : wanted) names.push_back(mesh::name(kind));
+    report_.error(where(field), fmt::format("group \"{}\" holds {} elements; {} elements are needed here",
+                                            block.group, mesh::name(block.kind), fmt::join(names, " or ")));
+  }
+
+  /// Adds the elements of a group: every block of it by the kernel of that material for the block's kind.
+  /// @param reference  makes a kernel's Reference from the reference positions: reference(kernel, X)
+  template <class Material, class Reference>
+  void add_group(const std::string& field, const std::string& group, const Material& material,
+                 const Reference& reference) {
+    if (!known(field, group)) return;
+    for (const ElementBlock* block : model_.mesh.blocks_of(group)) {
+      std::vector<ElementKind> kinds;
+      bool added = false;
+      for_each_kernel<Material>([&]<class Kernel>(std::type_identity<Kernel> kernel) {
+        if (!fits<Kernel>()) return;
+        kinds.push_back(Kernel::kind);
+        if (block->kind != Kernel::kind) return;
+        add_batch<Kernel>(field, *block, material, [&](const auto& X) { return reference(kernel, X); });
+        added = true;
+      });
+      if (!added) wrong_kind(field, *block, kinds);
+    }
+  }
+
+  /// Solids are surfaces in a plane problem and volumes otherwise.
+  template <class Kernel>
+  [[nodiscard]] bool fits() const {
+    if constexpr (std::is_same_v<typename Kernel::Material, SolidMaterial>)
+      return Kernel::dimension == (settings_.plane ? 2 : 3);
+    return true;
   }
 
   template <class Kernel, class Reference>
@@ -74,67 +150,44 @@ class Builder {
                  const typename Kernel::Material& material, const Reference& reference) {
     const auto index = static_cast<std::size_t>(&block - model_.mesh.blocks.data());
     Batch<Kernel> batch{block.group, index, material, block.nodes, {}};
+    batch.reference.reserve(static_cast<std::size_t>(block.count()));
     for (std::int32_t e = 0; e < block.count(); ++e) {
       const auto nodes = block.element(e);
-      batch.reference.push_back(reference(gather<Kernel::nodes>(model_.mesh.points, nodes.data())));
-      const auto m = Kernel::lumped_mass(batch.reference.back(), material);
-      if (!m.allFinite()) {
+      const auto X = gather<Kernel::nodes>(model_.mesh.points, nodes.data());
+      batch.reference.push_back(reference(X));
+      if (!Kernel::regular(X, batch.reference.back())) {
         report_.error(where(field),
-                      fmt::format("element {} of group \"{}\" in {} is degenerate: it has no area or length",
-                                  e, block.group, settings_.mesh.string()));
+                      fmt::format("element {} of group \"{}\" in {} (nodes {}, the first at ({}, {}, "
+                                  "{})) {}",
+                                  e, block.group, settings_.mesh.string(), fmt::join(nodes, " "), X(0, 0),
+                                  X(1, 0), X(2, 0), Kernel::irregular));
         return;
       }
+      const auto m = Kernel::lumped_mass(batch.reference.back(), material);
       for (int a = 0; a < Kernel::nodes; ++a)
         model_.mass[static_cast<std::size_t>(nodes[static_cast<std::size_t>(a)])] += m(a);
     }
     model_.batches.emplace_back(std::move(batch));
   }
 
-  template <ElementKind Kind>
-  void add_membrane_block(const std::string& field, const ElementBlock& block,
-                          const MembraneMaterial& material) {
-    using Kernel = Membrane<Kind>;
-    add_batch<Kernel>(field, block, material, [](const auto& X) { return Kernel::reference(X); });
+  void add_membranes() {
+    for (std::size_t i = 0; i < settings_.membranes.size(); ++i)
+      add_group(fmt::format("membrane[{}].group", i), settings_.membranes[i].group,
+                settings_.membranes[i].material, usual_reference);
   }
 
-  void add_membranes() {
-    for (std::size_t i = 0; i < settings_.membranes.size(); ++i) {
-      const MembraneSettings& s = settings_.membranes[i];
-      const std::string field = fmt::format("membrane[{}].group", i);
-      if (!known(field, s.group)) continue;
-      for (const ElementBlock* block : model_.mesh.blocks_of(s.group)) {
-        if (block->kind == ElementKind::tri3)
-          add_membrane_block<ElementKind::tri3>(field, *block, s.material);
-        else if (block->kind == ElementKind::quad9)
-          add_membrane_block<ElementKind::quad9>(field, *block, s.material);
-        else
-          wrong_kind(field, *block, "3-node triangles or 9-node quadrilaterals");
-      }
-    }
+  void add_solids() {
+    for (std::size_t i = 0; i < settings_.solids.size(); ++i)
+      add_group(fmt::format("solid[{}].group", i), settings_.solids[i].group, settings_.solids[i].material,
+                usual_reference);
   }
 
   void add_lines(const char* kind, const std::vector<LineSettings>& lines) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const LineSettings& s = lines[i];
-      const std::string field = fmt::format("{}[{}].group", kind, i);
-      if (!known(field, s.group)) continue;
-      for (const ElementBlock* block : model_.mesh.blocks_of(s.group)) {
-        if (block->kind != ElementKind::line2) {
-          wrong_kind(field, *block, "2-node lines");
-          continue;
-        }
-        add_batch<Line>(field, *block, s.material, [&s](const auto& X) {
-          return s.natural_length ? Line::Reference{*s.natural_length} : Line::reference(X);
-        });
-        const auto& batch = std::get<Batch<Line>>(model_.batches.back());
-        for (std::size_t e = 0; e < batch.count(); ++e)
-          if (!(batch.reference[e].natural_length > 0)) {
-            report_.error(where(field),
-                          fmt::format("element {} of group \"{}\" in {} has length zero; give natural_length",
-                                      e, s.group, settings_.mesh.string()));
-            break;
-          }
-      }
+      add_group(fmt::format("{}[{}].group", kind, i), s.group, s.material, [&s](auto, const auto& X) {
+        return s.natural_length ? Line::Reference{*s.natural_length} : Line::reference(X);
+      });
     }
   }
 
@@ -152,9 +205,10 @@ class Builder {
       const std::string field = fmt::format("support[{}].group", i);
       if (!known(field, s.group)) continue;
       SupportSet set{s.group, s.held, model_.mesh.nodes_of(s.group), s.displacement};
+      if (settings_.plane) set.held[2] = false; // hold_plane() does
       for (const std::int32_t node : set.nodes)
         for (std::size_t c = 0; c < 3; ++c) {
-          if (!s.held[c]) continue;
+          if (!set.held[c]) continue;
           std::uint8_t& held = model_.held[3 * static_cast<std::size_t>(node) + c];
           if (held) {
             report_.error(where(field),
@@ -168,20 +222,36 @@ class Builder {
     }
   }
 
+  /// Holds every node in z.
+  void hold_plane() {
+    const std::vector<double>& X = model_.mesh.points;
+    double size = 0;
+    for (std::size_t i = 0; i < X.size(); ++i) {
+      size = std::max(size, std::abs(X[i] - X[i % 3]));
+      if (i % 3 == 2) model_.held[i] = 1;
+    }
+    for (std::size_t i = 0; i < model_.node_count(); ++i)
+      if (!(std::abs(X[3 * i + 2] - X[2]) <= flatness * size)) {
+        report_.error(where("plane"),
+                      fmt::format("node {} of {} at ({}, {}, {}) lies outside the plane z = {}; a "
+                                  "plane problem needs a mesh in one plane",
+                                  i, settings_.mesh.string(), X[3 * i], X[3 * i + 1], X[3 * i + 2], X[2]));
+        return;
+      }
+  }
+
   void add_pressures() {
     for (std::size_t i = 0; i < settings_.pressures.size(); ++i) {
       const PressureSettings& s = settings_.pressures[i];
       const std::string field = fmt::format("pressure[{}].group", i);
       if (!known(field, s.group)) continue;
+      const int dimension = settings_.plane ? 1 : 2;
       for (const ElementBlock* block : model_.mesh.blocks_of(s.group)) {
-        if (block->kind == ElementKind::tri3)
+        const bool added = with_surface_kind(block->kind, dimension, [&](auto kind) {
           model_.pressure_batches.emplace_back(
-              PressureBatch<ElementKind::tri3>{block->nodes, model_.pressures.size()});
-        else if (block->kind == ElementKind::quad9)
-          model_.pressure_batches.emplace_back(
-              PressureBatch<ElementKind::quad9>{block->nodes, model_.pressures.size()});
-        else
-          wrong_kind(field, *block, "3-node triangles or 9-node quadrilaterals");
+              PressureBatch<decltype(kind)::value>{block->nodes, model_.pressures.size()});
+        });
+        if (!added) wrong_kind(field, *block, surface_kinds(dimension));
       }
       model_.pressures.push_back({model_.mesh.nodes_of(s.group), s.value,
                                   fmt::format("pressure on group \"{}\"", s.group),
@@ -196,12 +266,13 @@ class Builder {
       const std::string field = fmt::format("traction[{}].group", i);
       if (!known(field, s.group)) continue;
       std::vector<double> area(model_.node_count(), 0.0);
-      bool found = false;
-      for (const AnyBatch& any : model_.batches)
-        std::visit([&](const auto& batch) { found |= add_area(batch, s.group, area); }, any);
-      if (!found)
-        report_.error(where(field),
-                      fmt::format("group \"{}\" is not a membrane; a traction needs one", s.group));
+      for (const ElementBlock* block : model_.mesh.blocks_of(s.group)) {
+        const int dimension = settings_.plane && mesh::dimension(block->kind) == 1 ? 1 : 2;
+        const bool added = with_surface_kind(block->kind, dimension, [&](auto kind) {
+          add_nodal_areas<decltype(kind)::value>(model_.mesh.points, *block, area);
+        });
+        if (!added) wrong_kind(field, *block, surface_kinds(dimension));
+      }
       WeightedLoad load{model_.mesh.nodes_of(s.group),
                         {},
                         s.value,
@@ -211,20 +282,6 @@ class Builder {
       model_.loads.push_back(std::move(load));
     }
   }
-
-  template <class Kernel>
-  static bool add_area(const Batch<Kernel>& batch, const std::string& group, std::vector<double>& area) {
-    if (batch.group != group) return false;
-    if constexpr (mesh_dimension<Kernel> == 2) {
-      for (std::size_t e = 0; e < batch.count(); ++e)
-        for (int a = 0; a < Kernel::nodes; ++a)
-          area[static_cast<std::size_t>(batch.element(e)[a])] += batch.reference[e].nodal_area(a);
-      return true;
-    }
-    return false;
-  }
-  template <class Kernel>
-  static constexpr int mesh_dimension = Kernel::kind == ElementKind::line2 ? 1 : 2;
 
   void add_forces() {
     for (std::size_t i = 0; i < settings_.forces.size(); ++i) {
@@ -251,20 +308,24 @@ class Builder {
   void check_interface() {
     const std::string& name = settings_.interface;
     if (name.empty() || !known("interface", name)) return;
-    const bool membrane = std::any_of(settings_.membranes.begin(), settings_.membranes.end(),
-                                      [&](const MembraneSettings& m) { return m.group == name; });
-    if (!membrane)
-      report_.error(where("interface"), fmt::format("group \"{}\" is not a membrane of this config", name));
+    for (const ElementBlock* block : model_.mesh.blocks_of(name))
+      if (!with_surface_kind(block->kind, 2, [](auto) {})) wrong_kind("interface", *block, surface_kinds(2));
   }
 
   void check_every_group_has_a_role() {
     std::vector<std::string> used = settings_.ignored_groups;
     for (const auto& s : settings_.membranes) used.push_back(s.group);
+    for (const auto& s : settings_.solids) used.push_back(s.group);
     for (const auto& s : settings_.cables) used.push_back(s.group);
     for (const auto& s : settings_.trusses) used.push_back(s.group);
     for (const auto& s : settings_.masses) used.push_back(s.group);
     for (const auto& s : settings_.supports) used.push_back(s.group);
     for (const auto& s : settings_.forces) used.push_back(s.group);
+    // Faces of solids may be named in these alone; without elements their nodes have no mass, which is
+    // reported.
+    for (const auto& s : settings_.pressures) used.push_back(s.group);
+    for (const auto& s : settings_.tractions) used.push_back(s.group);
+    used.push_back(settings_.interface);
     for (std::size_t i = 0; i < settings_.ignored_groups.size(); ++i)
       known(fmt::format("ignore_group[{}]", i), settings_.ignored_groups[i]);
     for (const std::string& group : groups_) {
@@ -275,7 +336,7 @@ class Builder {
       if (!labels && std::find(used.begin(), used.end(), group) == used.end())
         report_.error(where("mesh"),
                       fmt::format("group \"{}\" of {} has no role in this config; name it in membrane, "
-                                  "cable, truss, support or force, or in ignore_group",
+                                  "solid, cable, truss, support or a load, or in ignore_group",
                                   group, settings_.mesh.string()));
     }
   }
@@ -294,6 +355,9 @@ class Builder {
       return;
     }
   }
+
+  /// How far nodes of a plane mesh may lie outside its plane, relative to its size.
+  static constexpr double flatness = 1e-9;
 
   const Settings& settings_;
   config::Report& report_;

@@ -26,7 +26,7 @@ struct SupportSet {
   config::VectorExpression displacement;
 };
 
-/// Surface elements of one kind under follower pressure.
+/// Surface elements of one kind under follower pressure; edges in a plane problem.
 template <mesh::ElementKind Kind>
 struct PressureBatch {
   static constexpr mesh::ElementKind kind = Kind;
@@ -34,10 +34,12 @@ struct PressureBatch {
   /// Which of Model::pressures gives the value.
   std::size_t load = 0;
 
-  [[nodiscard]] std::size_t count() const { return nodes.size() / SurfaceTraits<Kind>::nodes; }
+  [[nodiscard]] std::size_t count() const { return nodes.size() / ElementTraits<Kind>::nodes; }
 };
 using AnyPressureBatch =
-    std::variant<PressureBatch<mesh::ElementKind::tri3>, PressureBatch<mesh::ElementKind::quad9>>;
+    std::variant<PressureBatch<mesh::ElementKind::line2>, PressureBatch<mesh::ElementKind::line3>,
+                 PressureBatch<mesh::ElementKind::tri3>, PressureBatch<mesh::ElementKind::tri6>,
+                 PressureBatch<mesh::ElementKind::quad4>, PressureBatch<mesh::ElementKind::quad9>>;
 
 /// Where a pressure acts, and its value as an expression of reference position and time.
 struct PressureField {

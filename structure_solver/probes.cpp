@@ -63,6 +63,16 @@ void visit(const mesh::ElementBlock& block, Nearest& nearest) {
     const auto n = block.element(e);
     if (block.kind == mesh::ElementKind::line2) nearest.segment(n[0], n[1]);
     if (block.kind == mesh::ElementKind::tri3) nearest.triangle(n[0], n[1], n[2]);
+    if (block.kind == mesh::ElementKind::tri6) {
+      nearest.triangle(n[0], n[3], n[5]);
+      nearest.triangle(n[3], n[1], n[4]);
+      nearest.triangle(n[5], n[4], n[2]);
+      nearest.triangle(n[3], n[4], n[5]);
+    }
+    if (block.kind == mesh::ElementKind::quad4) {
+      nearest.triangle(n[0], n[1], n[2]);
+      nearest.triangle(n[0], n[2], n[3]);
+    }
     if (block.kind == mesh::ElementKind::quad9)
       for (std::size_t k = 0; k < 8; ++k) nearest.triangle(n[ring[k]], n[ring[k + 1]], n[8]);
   }

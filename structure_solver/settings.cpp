@@ -134,6 +134,9 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.initial_at_rest = m.initial_at_rest();
   if (m.has_final_state()) s.final_state = m.final_state();
   for (const auto& g : m.membrane()) s.membranes.push_back(membrane(g));
+  s.plane = m.plane();
+  for (const auto& g : m.solid())
+    s.solids.push_back({g.group(), {g.density(), g.youngs_modulus(), g.poisson_ratio()}});
   for (const auto& g : m.cable()) s.cables.push_back(line(g, true));
   for (const auto& g : m.truss()) s.trusses.push_back(line(g, false));
   for (const auto& g : m.mass()) s.masses.push_back({g.group(), g.mass()});

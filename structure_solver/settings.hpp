@@ -12,6 +12,7 @@
 #include "common/config/expression.hpp"
 #include "structure_solver/elements/line.hpp"
 #include "structure_solver/elements/membrane.hpp"
+#include "structure_solver/elements/solid.hpp"
 #include "structure_solver/length_schedule.hpp"
 
 namespace drogue::structure {
@@ -19,6 +20,10 @@ namespace drogue::structure {
 struct MembraneSettings {
   std::string group;
   MembraneMaterial material;
+};
+struct SolidSettings {
+  std::string group;
+  SolidMaterial material;
 };
 struct LineSettings {
   std::string group;
@@ -102,7 +107,9 @@ struct Settings {
   std::optional<std::filesystem::path> initial_state;
   bool initial_at_rest = false;
   std::optional<std::filesystem::path> final_state;
+  bool plane = false;
   std::vector<MembraneSettings> membranes;
+  std::vector<SolidSettings> solids;
   std::vector<LineSettings> cables;
   std::vector<LineSettings> trusses;
   std::vector<MassSettings> masses;

@@ -12,7 +12,7 @@ constexpr int nodes_per_element(const Batch&) {
   if constexpr (requires { typename Batch::KernelType; })
     return Batch::KernelType::nodes;
   else
-    return SurfaceTraits<Batch::kind>::nodes;
+    return ElementTraits<Batch::kind>::nodes;
 }
 
 /// A tangent of n x n blocks at some n points costs like n^3.

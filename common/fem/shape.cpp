@@ -2,12 +2,11 @@
 #include "common/fem/shape.hpp"
 
 #include <cassert>
+#include <tuple>
 #include <utility>
 
 namespace drogue::fem {
 namespace {
-
-using mesh::ElementKind;
 
 /// Quadratic Lagrange polynomial on {-1, 0, 1} that is one at node i, and its derivative.
 std::pair<double, double> quadratic(int i, double s) noexcept {
@@ -72,8 +71,19 @@ SurfaceShape surface_shape(ElementKind kind, double xi, double eta) noexcept {
   case ElementKind::line2:
   case ElementKind::line3:
   case ElementKind::tet4:
+  case ElementKind::tet10:
+  case ElementKind::hex27:
     break;
   }
+  return s;
+}
+
+LineShape line_shape(ElementKind kind, double xi) noexcept {
+  assert(mesh::dimension(kind) == 1);
+  if (kind == ElementKind::line2) return {2, {0.5 * (1 - xi), 0.5 * (1 + xi)}, {-0.5, 0.5}};
+  constexpr int node[3] = {-1, 1, 0};
+  LineShape s{3, {}, {}};
+  for (std::size_t a = 0; a < 3; ++a) std::tie(s.N[a], s.dN_dxi[a]) = quadratic(node[a], xi);
   return s;
 }
 

@@ -33,6 +33,10 @@ std::uint8_t vtk_type(ElementKind kind) {
     return 28;
   case ElementKind::tet4:
     return 10;
+  case ElementKind::tet10:
+    return 24;
+  case ElementKind::hex27:
+    return 29;
   }
   return 0;
 }
@@ -117,6 +121,16 @@ class VtuText {
   AppendedData appended_;
 };
 
+/// For each node of a VTK cell its place in our (Gmsh's) node order; empty where the two agree.
+std::span<const int> vtk_order(ElementKind kind) {
+  static constexpr int tet10[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
+  static constexpr int hex27[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+                                  19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26};
+  if (kind == ElementKind::tet10) return tet10;
+  if (kind == ElementKind::hex27) return hex27;
+  return {};
+}
+
 struct Cells {
   std::vector<std::int32_t> connectivity;
   std::vector<std::int64_t> offsets;
@@ -126,8 +140,14 @@ struct Cells {
 Cells cells_of(std::span<const ElementBlock* const> blocks) {
   Cells cells;
   for (const ElementBlock* block : blocks) {
-    cells.connectivity.insert(cells.connectivity.end(), block->nodes.begin(), block->nodes.end());
     const int nodes = mesh::nodes_per_element(block->kind);
+    const auto order = vtk_order(block->kind);
+    if (order.empty())
+      cells.connectivity.insert(cells.connectivity.end(), block->nodes.begin(), block->nodes.end());
+    else
+      for (std::int32_t e = 0; e < block->count(); ++e)
+        for (const int a : order)
+          cells.connectivity.push_back(block->element(e)[static_cast<std::size_t>(a)]);
     for (std::int32_t e = 0; e < block->count(); ++e)
       cells.offsets.push_back((cells.offsets.empty() ? 0 : cells.offsets.back()) + nodes);
     cells.types.resize(cells.offsets.size(), vtk_type(block->kind));

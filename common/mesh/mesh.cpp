@@ -32,6 +32,10 @@ constexpr KindProperties properties(ElementKind kind) {
     return {9, 2, "9-node quadrilateral"};
   case ElementKind::tet4:
     return {4, 3, "4-node tetrahedron"};
+  case ElementKind::tet10:
+    return {10, 3, "10-node tetrahedron"};
+  case ElementKind::hex27:
+    return {27, 3, "27-node hexahedron"};
   }
   return {0, 0, "unknown"};
 }

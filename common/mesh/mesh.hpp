@@ -10,8 +10,8 @@
 
 namespace drogue::mesh {
 
-/// Element kinds, with Gmsh's node order: corners, then mid-edge nodes, then the centre.
-enum class ElementKind : std::uint8_t { point1, line2, line3, tri3, tri6, quad4, quad9, tet4 };
+/// Element kinds, with Gmsh's node order: corners, then mid-edge nodes, then face centres, then the centre.
+enum class ElementKind : std::uint8_t { point1, line2, line3, tri3, tri6, quad4, quad9, tet4, tet10, hex27 };
 
 [[nodiscard]] int nodes_per_element(ElementKind kind);
 [[nodiscard]] int dimension(ElementKind kind);

@@ -34,6 +34,10 @@ std::optional<ElementKind> kind_of(int gmsh_type) {
     return ElementKind::quad9;
   case 4:
     return ElementKind::tet4;
+  case 11:
+    return ElementKind::tet10;
+  case 12:
+    return ElementKind::hex27;
   default:
     return std::nullopt;
   }
@@ -158,7 +162,7 @@ class Reader {
       if (!kind)
         return config_error(
             "{}: group \"{}\" has elements of the unknown kind \"{}\"; known are points, lines of 2 "
-            "or 3 nodes, triangles of 3 or 6, quadrangles of 4 or 9, tetrahedra of 4",
+            "or 3 nodes, triangles of 3 or 6, quadrangles of 4 or 9, tetrahedra of 4 or 10, hexahedra of 27",
             file_, group, gmsh_name(types[i]));
       RawBlock& block = raw_block(group, *kind);
       block.element_tags.insert(block.element_tags.end(), element_tags[i].begin(), element_tags[i].end());

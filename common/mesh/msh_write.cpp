@@ -31,6 +31,10 @@ constexpr int gmsh_type(ElementKind kind) {
     return 10;
   case ElementKind::tet4:
     return 4;
+  case ElementKind::tet10:
+    return 11;
+  case ElementKind::hex27:
+    return 12;
   }
   return 0;
 }

@@ -60,6 +60,8 @@ double node_spacing(ElementKind kind, const NodeMatrix& X) {
   case ElementKind::line2:
   case ElementKind::line3:
   case ElementKind::tet4:
+  case ElementKind::tet10:
+  case ElementKind::hex27:
     break;
   }
   return std::sqrt(2 * area);

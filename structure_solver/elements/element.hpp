@@ -8,12 +8,15 @@ namespace drogue::structure {
 /// What a kernel gives back for one element with `Nodes` nodes.
 ///
 /// A kernel is a type with
+///   static constexpr mesh::ElementKind kind
 ///   static constexpr int nodes            number of nodes
 ///   struct Material                       constants of the group, the same for all its elements
 ///   struct Reference                      what an element keeps of its reference configuration
 ///   static Reference reference(X, ...)    X: reference positions, one column a node
 ///   static void evaluate(const Reference&, const Material&, const Positions& x, bool tangent, Response&)
-///   noexcept static NodalMass lumped_mass(const Reference&, const Material&)
+///   static NodalMass lumped_mass(const Reference&, const Material&)   positive, with the right total
+///   static bool regular(X, const Reference&)                          false: nothing can be computed with it
+///   static constexpr const char* irregular                            what is wrong then, in words
 /// evaluate() gives the element's share of the residual r = f_int - f_ext and its derivative from one and the
 /// same evaluation of strain and stress. A new element is one header and one line in elements/registry.hpp.
 template <int Nodes>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Dense>
 
 #include "common/mesh/mesh.hpp"
@@ -38,6 +40,7 @@ struct LineMaterial {
 struct Line {
   static constexpr mesh::ElementKind kind = mesh::ElementKind::line2;
   static constexpr int nodes = 2;
+  static constexpr const char* irregular = "has length zero; move its nodes apart or give natural_length";
   static constexpr double slack_stiffness = 1e-8;
   using Positions = Response<2>::Positions;
   using NodalMass = Eigen::Vector2d;
@@ -48,6 +51,10 @@ struct Line {
 
   [[nodiscard]] static Reference reference(const Positions& X) noexcept {
     return {(X.col(1) - X.col(0)).norm()};
+  }
+
+  [[nodiscard]] static bool regular(const Positions&, const Reference& ref) {
+    return ref.natural_length > 0 && std::isfinite(ref.natural_length);
   }
 
   /// Tension N [force]; 0 when slack, negative in a truss under compression.

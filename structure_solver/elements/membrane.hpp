@@ -7,8 +7,9 @@
 #include <Eigen/Dense>
 
 #include "structure_solver/elements/element.hpp"
+#include "structure_solver/elements/element_rule.hpp"
 #include "structure_solver/elements/plane_stress.hpp"
-#include "structure_solver/elements/surface_rule.hpp"
+#include "structure_solver/elements/principal_stress.hpp"
 
 namespace drogue::structure {
 
@@ -23,8 +24,9 @@ namespace drogue::structure {
 template <mesh::ElementKind Kind>
 struct Membrane {
   static constexpr mesh::ElementKind kind = Kind;
-  static constexpr int nodes = SurfaceTraits<Kind>::nodes;
-  static constexpr int points = SurfaceTraits<Kind>::points;
+  static constexpr int nodes = ElementTraits<Kind>::nodes;
+  static constexpr int points = ElementTraits<Kind>::points;
+  static constexpr const char* irregular = "is degenerate: its area vanishes or its sides cross";
   using Positions = typename Response<nodes>::Positions;
   using NodalMass = Eigen::Matrix<double, nodes, 1>;
   using Material = MembraneMaterial;
@@ -33,27 +35,38 @@ struct Membrane {
     /// Rows: dN/dX_1, dN/dX_2 in an orthonormal frame of the tangent plane [1/length].
     std::array<Eigen::Matrix<double, 2, nodes>, points> gradient;
     /// Quadrature weight times area [area].
-    std::array<double, points> area;
-    NodalMass nodal_area;
+    std::array<double, points> measure;
   };
 
-  /// @param X reference positions. A degenerate element has a non-positive or non-finite `area`.
+  /// @param X reference positions; check them with regular()
   [[nodiscard]] static Reference reference(const Positions& X) {
     Reference ref;
-    ref.nodal_area.setZero();
-    const auto& rule = surface_rule<Kind>();
+    const auto& rule = element_rule<Kind>();
     for (std::size_t q = 0; q < points; ++q) {
       const auto& point = rule.points[q];
-      const Eigen::Matrix<double, 3, 2> G = X * point.dN;
+      const Eigen::Matrix<double, 3, 2> G = X.lazyProduct(point.dN);
       const Eigen::Vector3d normal = G.col(0).cross(G.col(1));
       const Eigen::Vector3d t1 = G.col(0).normalized(), t2 = normal.normalized().cross(t1);
       Eigen::Matrix2d J; // J(i, j) = dX_j / dxi_i
       J << G.col(0).dot(t1), G.col(0).dot(t2), G.col(1).dot(t1), G.col(1).dot(t2);
       ref.gradient[q] = J.inverse() * point.dN.transpose();
-      ref.area[q] = normal.norm() * point.weight;
-      ref.nodal_area += point.N * ref.area[q];
+      ref.measure[q] = normal.norm() * point.weight;
     }
     return ref;
+  }
+
+  /// False when an area vanishes, to rounding, at a quadrature point, or the normal turns by more than a
+  /// right angle within the element.
+  [[nodiscard]] static bool regular(const Positions& X, const Reference&) {
+    Eigen::Vector3d first = Eigen::Vector3d::Zero();
+    for (const auto& point : element_rule<Kind>().points) {
+      const Eigen::Matrix<double, 3, 2> G = X.lazyProduct(point.dN);
+      const Eigen::Vector3d normal = G.col(0).cross(G.col(1));
+      if (first.isZero(0)) first = normal;
+      if (!(normal.norm() > rounding * G.col(0).norm() * G.col(1).norm()) || !(normal.dot(first) > 0))
+        return false;
+    }
+    return true;
   }
 
   /// Strain and stress at a quadrature point; shear strain is the engineering one, gamma = 2 E_12.
@@ -65,7 +78,7 @@ struct Membrane {
   [[nodiscard]] static PointState point_state(const Reference& ref, const Material& m, const Positions& x,
                                               std::size_t q) noexcept {
     const PlaneStressLaw law(m);
-    const Eigen::Vector3d E = green_strain(x * ref.gradient[q].transpose());
+    const Eigen::Vector3d E = green_strain(x.lazyProduct(ref.gradient[q].transpose()));
     return {E, law.stress(E).S, law.state(E)};
   }
 
@@ -76,8 +89,8 @@ struct Membrane {
     Eigen::Matrix<double, nodes, nodes> geometric = Eigen::Matrix<double, nodes, nodes>::Zero();
     for (std::size_t q = 0; q < points; ++q) {
       const auto& B = ref.gradient[q];
-      const Eigen::Matrix<double, 3, 2> F = x * B.transpose();
-      const double w = m.thickness * ref.area[q];
+      const Eigen::Matrix<double, 3, 2> F = x.lazyProduct(B.transpose());
+      const double w = m.thickness * ref.measure[q];
       Eigen::Matrix3d C;
       double geometric_tension = 0;
       const PlaneStress at =
@@ -101,9 +114,8 @@ struct Membrane {
     if (tangent) complete(geometric, out);
   }
 
-  /// Row sums of the consistent mass: positive on both kinds.
   [[nodiscard]] static NodalMass lumped_mass(const Reference& ref, const Material& m) noexcept {
-    return m.density * m.thickness * ref.nodal_area;
+    return m.density * m.thickness * lumped_measure<Kind>(ref.measure);
   }
 
   [[nodiscard]] static PrincipalStress principal_stress(const PointState& s) noexcept {
@@ -113,6 +125,8 @@ struct Membrane {
   }
 
  private:
+  static constexpr double rounding = 1e-10;
+
   /// E_11, E_22, 2 E_12
   [[nodiscard]] static Eigen::Vector3d green_strain(const Eigen::Matrix<double, 3, 2>& F) noexcept {
     return {0.5 * (F.col(0).squaredNorm() - 1), 0.5 * (F.col(1).squaredNorm() - 1), F.col(0).dot(F.col(1))};

@@ -34,12 +34,6 @@ struct MembraneMaterial {
   double slack_stiffness = 1e-6;
 };
 
-/// Principal second Piola-Kirchhoff stresses at a point.
-struct PrincipalStress {
-  double largest = 0;
-  double smallest = 0;
-};
-
 /// Answer of the law to a strain.
 struct PlaneStress {
   Eigen::Vector3d S; ///< second Piola-Kirchhoff stress S_11, S_22, S_12 [stress]

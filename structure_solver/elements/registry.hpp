@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
 #include "structure_solver/elements/line.hpp"
 #include "structure_solver/elements/membrane.hpp"
+#include "structure_solver/elements/solid.hpp"
 
 namespace drogue::structure {
 
@@ -40,10 +42,28 @@ template <class Reference>
   return scaled;
 }
 
-/// The registered elements.
+/// The registered elements. What a group of the config can be made of follows from this list: the kernels
+/// whose Material is the group's, each for its element kind.
 using AnyBatch = std::variant<                 //
     Batch<Membrane<mesh::ElementKind::tri3>>,  //
+    Batch<Membrane<mesh::ElementKind::tri6>>,  //
+    Batch<Membrane<mesh::ElementKind::quad4>>, //
     Batch<Membrane<mesh::ElementKind::quad9>>, //
+    Batch<Solid<mesh::ElementKind::tri6>>,     //
+    Batch<Solid<mesh::ElementKind::quad9>>,    //
+    Batch<Solid<mesh::ElementKind::tet10>>,    //
+    Batch<Solid<mesh::ElementKind::hex27>>,    //
     Batch<Line>>;
+
+/// Calls f(std::type_identity<Kernel>) for every registered kernel of a material.
+template <class Material, class F>
+void for_each_kernel(F&& f) {
+  const auto visit = [&]<class Kernel>(std::type_identity<Kernel> kernel) {
+    if constexpr (std::is_same_v<typename Kernel::Material, Material>) f(kernel);
+  };
+  [&]<class... B>(std::type_identity<std::variant<B...>>) {
+    (visit(std::type_identity<typename B::KernelType>()), ...);
+  }(std::type_identity<AnyBatch>());
+}
 
 } // namespace drogue::structure

@@ -225,7 +225,7 @@ TEST(Membrane, MassIsThatOfTheCloth) {
   const auto q9 = membrane_case<Membrane<ElementKind::quad9>>(0);
   const auto mass = Membrane<ElementKind::quad9>::lumped_mass(q9.reference, q9.material);
   double area = 0;
-  for (const double a : q9.reference.area) area += a;
+  for (const double a : q9.reference.measure) area += a;
   EXPECT_NEAR(mass.sum(), 6.0 * 0.01 * area, 1e-14);
   EXPECT_GT(mass.minCoeff(), 0);
 }
@@ -317,7 +317,7 @@ void check_follower_pressure() {
   for (int a = 0; a < Kernel::nodes; ++a) p(a) = 2 + numbers();
   EXPECT_LT(
       tangent_error<Kernel::nodes>(
-          x, [&](const auto& y, auto& out) { Kernel::evaluate(surface_rule<Kind>(), p, y, true, out); }),
+          x, [&](const auto& y, auto& out) { Kernel::evaluate(element_rule<Kind>(), p, y, true, out); }),
       1e-9);
 }
 
@@ -330,7 +330,7 @@ TEST(FollowerPressure, PushesAlongTheRightHandedNormal) {
   Response<3>::Positions x;
   x << 0, 2, 0, 0, 0, 3, 0, 0, 0; // normal +z, area 3
   Response<3> out;
-  const auto& rule = surface_rule<ElementKind::tri3>();
+  const auto& rule = element_rule<ElementKind::tri3>();
   FollowerPressure<ElementKind::tri3>::evaluate(rule, Eigen::Vector3d(5, 5, 5), x, false, out);
   const Eigen::Vector3d external = -out.force.rowwise().sum();
   EXPECT_NEAR(external(2), 15, 1e-14);

@@ -153,7 +153,7 @@ void check_patch(ElementKind kind) {
   std::visit(
       [&](const auto& batch) {
         using Kernel = typename std::decay_t<decltype(batch)>::KernelType;
-        if constexpr (Kernel::nodes > 2)
+        if constexpr (std::is_same_v<typename Kernel::Material, MembraneMaterial>)
           for (std::size_t e = 0; e < batch.count(); ++e) {
             typename Kernel::Positions x;
             for (int a = 0; a < Kernel::nodes; ++a)

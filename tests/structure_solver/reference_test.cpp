@@ -121,7 +121,7 @@ DiskResult load_disk(mesh::Mesh mesh, std::size_t centre, double q, bool followe
   std::visit(
       [&](const auto& batch) {
         using Kernel = typename std::decay_t<decltype(batch)>::KernelType;
-        if constexpr (Kernel::nodes > 2) {
+        if constexpr (std::is_same_v<typename Kernel::Material, MembraneMaterial>) {
           double nearest = 1e300;
           for (std::size_t e = 0; e < batch.count(); ++e) {
             typename Kernel::Positions X, x;
@@ -133,7 +133,7 @@ DiskResult load_disk(mesh::Mesh mesh, std::size_t centre, double q, bool followe
                 x(c, a) = X(c, a) + integrator.committed().u[i];
               }
             for (std::size_t p = 0; p < Kernel::points; ++p) {
-              const double r = (X * surface_rule<Kernel::kind>().points[p].N).norm();
+              const double r = (X * element_rule<Kernel::kind>().points[p].N).norm();
               if (r >= nearest) continue;
               nearest = r;
               const auto stress =

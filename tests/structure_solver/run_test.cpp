@@ -278,10 +278,17 @@ interface: "hem"
   const std::string& text = checked.error().message;
   EXPECT_NE(text.find("wrong.textproto:2:"), std::string::npos) << text;
   EXPECT_NE(text.find("did you mean \"cloth\""), std::string::npos) << text;
-  EXPECT_NE(text.find("2-node lines are needed here"), std::string::npos) << text;
+  EXPECT_NE(text.find("2-node line elements are needed here"), std::string::npos) << text;
   EXPECT_NE(text.find("only the letters x, y and z"), std::string::npos) << text;
-  EXPECT_NE(text.find("group \"hem\" is not a membrane"), std::string::npos) << text;
-  EXPECT_NE(text.find("group \"hem\" of"), std::string::npos) << text;
+  EXPECT_NE(text.find("group \"hem\" holds 2-node line elements; 3-node triangle"), std::string::npos)
+      << text;
+
+  write("unused.textproto", R"(mesh: "cloth.msh"
+membrane { group: "cloth" thickness: 0.01 density: 6 youngs_modulus: 2e5 }
+)");
+  const auto unused = check_case("unused.textproto");
+  ASSERT_FALSE(unused);
+  EXPECT_NE(unused.error().message.find("group \"hem\" of cloth.msh has no role"), std::string::npos);
 }
 
 TEST_F(Files, CheckRefusesAStateOfAnotherMesh) {

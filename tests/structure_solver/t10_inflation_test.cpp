@@ -30,7 +30,7 @@ double vertical_pressure_force(const Model& model, const State& state, double pr
   double area = 0;
   for (const mesh::ElementBlock* block : model.mesh.blocks_of("canopy"))
     for (std::int32_t e = 0; e < block->count(); ++e)
-      for (const auto& point : surface_rule<mesh::ElementKind::quad9>().points) {
+      for (const auto& point : element_rule<mesh::ElementKind::quad9>().points) {
         Eigen::Matrix<double, 3, 9> x;
         for (int a = 0; a < 9; ++a)
           for (int c = 0; c < 3; ++c) {

@@ -15,6 +15,7 @@
 #include "common/mesh/mesh.hpp"
 #include "structure_solver/integrator.hpp"
 #include "structure_solver/model.hpp"
+#include "tests/structure_solver/test_meshes.hpp"
 
 /// Small meshes and models built in memory.
 namespace drogue::structure::test {
@@ -40,8 +41,8 @@ inline config::VectorExpression vector(const std::string& x, const std::string& 
   return {expression(x), expression(y), expression(z)};
 }
 
-/// Regular grid of m x n Q9 elements, or each quarter of them split into two T3, on [0, 1]^2 mapped by `map`.
-/// Groups: "cloth", and the points "edge" along the boundary.
+/// Regular grid of m x n Q9 elements, or what fills their place (two T6, four Q4, eight T3), on [0, 1]^2
+/// mapped by `map`. Groups: "cloth", and the points "edge" along the boundary.
 using Map = std::function<Eigen::Vector3d(double, double)>;
 inline mesh::Mesh sheet(mesh::ElementKind kind, int m, int n, const Map& map) {
   mesh::Mesh mesh;
@@ -54,18 +55,14 @@ inline mesh::Mesh sheet(mesh::ElementKind kind, int m, int n, const Map& map) {
       mesh.points.insert(mesh.points.end(), {X(0), X(1), X(2)});
       if (i == 0 || j == 0 || i == columns - 1 || j == rows - 1) edge.nodes.push_back(id(i, j));
     }
-  if (kind == mesh::ElementKind::quad9) {
-    for (int j = 0; j < rows - 1; j += 2)
-      for (int i = 0; i < columns - 1; i += 2)
-        cloth.nodes.insert(cloth.nodes.end(),
-                           {id(i, j), id(i + 2, j), id(i + 2, j + 2), id(i, j + 2), id(i + 1, j),
-                            id(i + 2, j + 1), id(i + 1, j + 2), id(i, j + 1), id(i + 1, j + 1)});
-  } else {
-    for (int j = 0; j < rows - 1; ++j)
-      for (int i = 0; i < columns - 1; ++i)
-        cloth.nodes.insert(cloth.nodes.end(), {id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j),
-                                               id(i + 1, j + 1), id(i, j + 1)});
-  }
+  for (int j = 0; j < rows - 1; j += 2)
+    for (int i = 0; i < columns - 1; i += 2) {
+      std::array<std::array<std::int32_t, 3>, 3> patch{};
+      for (int b = 0; b < 3; ++b)
+        for (int a = 0; a < 3; ++a)
+          patch[static_cast<std::size_t>(b)][static_cast<std::size_t>(a)] = id(i + a, j + b);
+      fill_patch(cloth, patch);
+    }
   mesh.blocks = {std::move(cloth), std::move(edge)};
   return mesh;
 }

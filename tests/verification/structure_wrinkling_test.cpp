@@ -35,7 +35,7 @@ void at_points(const Model& model, std::span<const double> u, const Use& use) {
     std::visit(
         [&](const auto& batch) {
           using Kernel = typename std::decay_t<decltype(batch)>::KernelType;
-          if constexpr (Kernel::nodes > 2)
+          if constexpr (std::is_same_v<typename Kernel::Material, MembraneMaterial>)
             for (std::size_t e = 0; e < batch.count(); ++e) {
               typename Kernel::Positions X, x;
               for (int a = 0; a < Kernel::nodes; ++a)
@@ -45,7 +45,7 @@ void at_points(const Model& model, std::span<const double> u, const Use& use) {
                   X(c, a) = model.mesh.points[i];
                   x(c, a) = X(c, a) + u[i];
                 }
-              const auto& rule = surface_rule<Kernel::kind>();
+              const auto& rule = element_rule<Kernel::kind>();
               for (std::size_t q = 0; q < Kernel::points; ++q)
                 use(Eigen::Vector3d(X * rule.points[q].N),
                     Kernel::point_state(batch.reference[e], batch.material, x, q));

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace drogue::fem {
@@ -59,6 +60,42 @@ TEST_P(Degrees, PointsLieInsideAndWeightsArePositive) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Quadrature, Degrees, testing::Range(1, 21));
+
+double integrate(const std::vector<VolumePoint>& rule, int i, int j, int k) {
+  double sum = 0;
+  for (const VolumePoint& p : rule)
+    sum += p.weight * std::pow(p.xi[0], i) * std::pow(p.xi[1], j) * std::pow(p.xi[2], k);
+  return sum;
+}
+
+TEST(VolumeQuadrature, TetrahedronIsExactUpToTheDegree) {
+  for (int degree = 1; degree <= 5; ++degree) {
+    const auto rule = volume_quadrature(ElementKind::tet10, degree);
+    EXPECT_EQ(rule.size(), degree == 1 ? 1U : degree == 2 ? 4U : 14U);
+    for (int i = 0; i <= degree; ++i)
+      for (int j = 0; i + j <= degree; ++j)
+        for (int k = 0; i + j + k <= degree; ++k) {
+          // i! j! k! / (i + j + k + 3)!
+          const double exact = std::exp(std::lgamma(i + 1) + std::lgamma(j + 1) + std::lgamma(k + 1) -
+                                        std::lgamma(i + j + k + 4));
+          EXPECT_NEAR(integrate(rule, i, j, k), exact, 1e-15) << i << j << k << " degree " << degree;
+        }
+    for (const VolumePoint& p : rule) {
+      EXPECT_GT(p.weight, 0);
+      EXPECT_GT(std::min({p.xi[0], p.xi[1], p.xi[2]}), 0);
+      EXPECT_LT(p.xi[0] + p.xi[1] + p.xi[2], 1);
+    }
+  }
+}
+
+TEST(VolumeQuadrature, HexahedronIsExactUpToTheDegreeInEachCoordinate) {
+  const auto rule = volume_quadrature(ElementKind::hex27, 5);
+  EXPECT_EQ(rule.size(), 27U);
+  for (int i = 0; i <= 5; ++i)
+    for (int j = 0; j <= 5; ++j)
+      for (int k = 0; k <= 5; ++k)
+        EXPECT_NEAR(integrate(rule, i, j, k), exact_line(i) * exact_line(j) * exact_line(k), 1e-13);
+}
 
 TEST(Quadrature, TriangleRulesAreTheSmallOnes) {
   const std::size_t counts[] = {1, 3, 6, 6, 7};

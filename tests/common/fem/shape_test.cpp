@@ -92,6 +92,74 @@ INSTANTIATE_TEST_SUITE_P(Kinds, SurfaceShapes,
                            return "nodes" + std::to_string(static_cast<int>(kind.param));
                          });
 
+class VolumeShapes : public testing::TestWithParam<ElementKind> {};
+
+constexpr std::array<std::array<double, 3>, 3> volume_samples = {
+    {{0.2, 0.3, 0.1}, {0.1, 0.6, -0.5}, {-0.4, 0.05, 0.7}}};
+
+TEST_P(VolumeShapes, AreOneAtTheirNodeAndZeroAtTheOthers) {
+  const int n = mesh::nodes_per_element(GetParam());
+  for (int b = 0; b < n; ++b) {
+    const VolumeShape s = volume_shape(GetParam(), volume_node(GetParam(), b));
+    EXPECT_EQ(s.nodes, n);
+    for (int a = 0; a < n; ++a)
+      EXPECT_NEAR(s.N[static_cast<std::size_t>(a)], a == b ? 1 : 0, 1e-15) << a << " at " << b;
+  }
+}
+
+TEST_P(VolumeShapes, DerivativesAgreeWithDifferencesAndSumToZero) {
+  constexpr double h = 1e-3;
+  for (const auto& xi : volume_samples) {
+    const VolumeShape s = volume_shape(GetParam(), xi);
+    EXPECT_NEAR(std::accumulate(s.N.begin(), s.N.end(), 0.0), 1, 1e-14);
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto plus = xi, minus = xi;
+      plus[k] += h;
+      minus[k] -= h;
+      const VolumeShape p = volume_shape(GetParam(), plus), m = volume_shape(GetParam(), minus);
+      EXPECT_NEAR(std::accumulate(s.dN[k].begin(), s.dN[k].end(), 0.0), 0, 1e-14);
+      for (std::size_t a = 0; a < static_cast<std::size_t>(s.nodes); ++a)
+        EXPECT_NEAR(s.dN[k][a], (p.N[a] - m.N[a]) / (2 * h), 1e-12) << a;
+    }
+  }
+}
+
+TEST_P(VolumeShapes, ReproducePolynomials) {
+  const bool quadratic = GetParam() != ElementKind::tet4;
+  const auto f = [&](const std::array<double, 3>& p) {
+    return 1 + 2 * p[0] - 3 * p[1] + p[2] +
+           (quadratic ? p[0] * p[0] - 5 * p[1] * p[2] + 0.5 * p[2] * p[0] : 0);
+  };
+  for (const auto& xi : volume_samples) {
+    const VolumeShape s = volume_shape(GetParam(), xi);
+    double interpolated = 0;
+    for (int a = 0; a < s.nodes; ++a)
+      interpolated += s.N[static_cast<std::size_t>(a)] * f(volume_node(GetParam(), a));
+    EXPECT_NEAR(interpolated, f(xi), 1e-13);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, VolumeShapes,
+                         testing::Values(ElementKind::tet4, ElementKind::tet10, ElementKind::hex27),
+                         [](const auto& kind) {
+                           return "nodes" + std::to_string(mesh::nodes_per_element(kind.param));
+                         });
+
+TEST(LineShapes, InterpolateAndDifferentiate) {
+  for (const ElementKind kind : {ElementKind::line2, ElementKind::line3}) {
+    constexpr double node[3] = {-1, 1, 0}, h = 1e-3;
+    for (int b = 0; b < mesh::nodes_per_element(kind); ++b) {
+      const LineShape s = line_shape(kind, node[b]), p = line_shape(kind, node[b] + h),
+                      m = line_shape(kind, node[b] - h);
+      for (int a = 0; a < s.nodes; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        EXPECT_NEAR(s.N[i], a == b ? 1 : 0, 1e-15);
+        EXPECT_NEAR(s.dN_dxi[i], (p.N[i] - m.N[i]) / (2 * h), 1e-12);
+      }
+    }
+  }
+}
+
 TEST(ParentCentre, LiesInTheMiddle) {
   EXPECT_EQ(parent_centre(ElementKind::quad9), (Point{0, 0}));
   EXPECT_EQ(parent_centre(ElementKind::tri6), (Point{1.0 / 3, 1.0 / 3}));

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "common/fem/shape.hpp"
 #include "common/io/vtu.hpp"
 #include "common/mesh/msh.hpp"
 
@@ -21,9 +22,9 @@ std::vector<double> points(std::int32_t count) {
 
 std::vector<mesh::ElementBlock> every_kind() {
   std::vector<mesh::ElementBlock> blocks;
-  for (const ElementKind kind :
-       {ElementKind::tet4, ElementKind::tri3, ElementKind::tri6, ElementKind::quad4, ElementKind::quad9,
-        ElementKind::line2, ElementKind::line3, ElementKind::point1}) {
+  for (const ElementKind kind : {ElementKind::hex27, ElementKind::tet10, ElementKind::tet4, ElementKind::tri3,
+                                 ElementKind::tri6, ElementKind::quad4, ElementKind::quad9,
+                                 ElementKind::line2, ElementKind::line3, ElementKind::point1}) {
     mesh::ElementBlock block{
         "group " + std::to_string(mesh::nodes_per_element(kind)) + "/" +
             std::to_string(mesh::dimension(kind)),
@@ -49,7 +50,7 @@ std::string folder(const std::string& name) {
 
 TEST(ForeignReaders, VtuAndPvd) {
   const std::string out = folder("vtu");
-  const auto x = points(10);
+  const auto x = points(28);
   const auto kinds = every_kind();
   io::VtuData data;
   data.points = x;
@@ -61,6 +62,19 @@ TEST(ForeignReaders, VtuAndPvd) {
   io::PvdCollection collection(out + "/all.pvd");
   ASSERT_TRUE(io::write_vtu(out + "/kinds.vtu", data).ok());
   ASSERT_TRUE(collection.add(0.25, out + "/kinds.vtu").ok());
+
+  // One element each on its parent domain: the script compares with VTK's own parent coordinates.
+  for (const ElementKind kind : {ElementKind::tet10, ElementKind::hex27}) {
+    const int n = mesh::nodes_per_element(kind);
+    std::vector<double> parent;
+    for (int a = 0; a < n; ++a)
+      for (const double c : fem::volume_node(kind, a))
+        parent.push_back(kind == ElementKind::hex27 ? 0.5 * (1 + c) : c);
+    mesh::ElementBlock block{"parent", kind, std::vector<std::int32_t>(static_cast<std::size_t>(n))};
+    std::iota(block.nodes.begin(), block.nodes.end(), 0);
+    ASSERT_TRUE(
+        io::write_vtu(out + "/parent_" + std::to_string(n) + ".vtu", {parent, {&block}, {}, {}}).ok());
+  }
 
   // Arrays over several compression blocks; "whole_blocks" ends at the end of one.
   const std::int32_t count = 65536;
@@ -77,7 +91,7 @@ TEST(ForeignReaders, VtuAndPvd) {
 
 TEST(ForeignReaders, Msh) {
   const std::string out = folder("msh");
-  const mesh::Mesh mesh{points(10), every_kind(), {{"field", {3, points(10)}}}};
+  const mesh::Mesh mesh{points(28), every_kind(), {{"field", {3, points(28)}}}};
   ASSERT_TRUE(mesh::write_msh(out + "/kinds.msh", mesh).ok());
   expect_script_accepts("read_msh.py", out + "/kinds.msh");
 }

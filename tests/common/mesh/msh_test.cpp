@@ -2,6 +2,7 @@
 #include "common/mesh/msh.hpp"
 
 #include <gmock/gmock.h>
+#include <gmsh.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,6 +10,8 @@
 #include <fstream>
 #include <thread>
 
+#include "common/fem/shape.hpp"
+#include "common/mesh/gmsh_session.hpp"
 #include "tests/common/mesh/meshes.hpp"
 
 namespace drogue::mesh {
@@ -163,6 +166,23 @@ TEST(Msh, ReadsFromSeveralThreads) {
     threads[i] = std::thread([&, i] { hashes[i] = hash(read_msh(file).value()); });
   for (std::thread& thread : threads) thread.join();
   EXPECT_THAT(hashes, testing::Each(hash(test::every_kind())));
+}
+
+/// Our node orders are Gmsh's: its own coordinates of the nodes of a parent element.
+TEST(Msh, NodeOrderOfVolumesIsGmshs) {
+  const GmshSession session;
+  for (const auto& [kind, type] :
+       {std::pair{ElementKind::tet4, 4}, {ElementKind::tet10, 11}, {ElementKind::hex27, 12}}) {
+    std::string name;
+    int dimension = 0, order = 0, nodes = 0, primary = 0;
+    std::vector<double> coordinates;
+    gmsh::model::mesh::getElementProperties(type, name, dimension, order, nodes, coordinates, primary);
+    ASSERT_EQ(nodes, nodes_per_element(kind)) << name;
+    for (int a = 0; a < nodes; ++a)
+      for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_EQ(fem::volume_node(kind, a)[c], coordinates[3 * static_cast<std::size_t>(a) + c])
+            << name << " " << a;
+  }
 }
 
 } // namespace
