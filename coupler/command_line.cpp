@@ -6,6 +6,7 @@
 
 #include "common/base/log.hpp"
 #include "coupler/check.hpp"
+#include "coupler/project/project.hpp"
 #include "coupler/run.hpp"
 
 namespace drogue::coupler {
@@ -35,6 +36,42 @@ int run(const std::string& file) {
   return 0;
 }
 
+/// Declares `project` and its options, which are read into `c`.
+CLI::App* add_project(CLI::App& app, ProjectCommand& c) {
+  CLI::App* command = app.add_subcommand(
+      "project", "project a field from one surface to another without any solver, to judge a pair of meshes");
+  command->add_option("FROM", c.from, "mesh the field comes from (*.msh)")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("TO", c.to, "mesh it goes to (*.msh)")->required()->check(CLI::ExistingFile);
+  command->add_option("--from-group", c.from_group, "surface in FROM; default: its only one");
+  command->add_option("--to-group", c.to_group, "surface in TO; default: its only one");
+  auto* field = command->add_option_group("field", "what is projected")->require_option(1);
+  field->add_option(
+      "-e,--expression", c.expression,
+      "expressions of x, y, z for the three components, as \"x; y*z; 0\", or one for the first");
+  field->add_option("-f,--field", c.field, "field on the nodes of FROM (NodeData of the file)");
+  command->add_option("-o,--output", c.output, "result on TO (*.vtu)")->capture_default_str();
+  command->add_option("--largest-gap", c.settings.largest_gap, "as projection.largest_gap of a case")
+      ->capture_default_str();
+  command
+      ->add_option("--largest-unmatched-area", c.settings.largest_unmatched_area,
+                   "as projection.largest_unmatched_area")
+      ->capture_default_str();
+  command
+      ->add_option("--largest-normal-angle", c.settings.largest_normal_angle,
+                   "as projection.largest_normal_angle [degrees]")
+      ->capture_default_str();
+  command->add_option("--quadrature-order", c.settings.quadrature_order, "as projection.quadrature_order")
+      ->capture_default_str();
+  return command;
+}
+
+int project_field(const ProjectCommand& command) {
+  if (const auto outcome = project(command); !outcome) return fail(outcome.error());
+  return 0;
+}
+
 } // namespace
 
 int command_line(int argc, char** argv) {
@@ -50,11 +87,14 @@ int command_line(int argc, char** argv) {
   CLI::App* check_command =
       app.add_subcommand("check", "check every config of a case, without running anything");
   check_command->add_option("CASE", file, "the case file (*.textproto)")->required();
+  ProjectCommand projection;
+  const CLI::App* project_command = add_project(app, projection);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::config);
   }
+  if (*project_command) return project_field(projection);
   if (verbose) spdlog::set_level(spdlog::level::debug);
   return *check_command ? check(file) : run(file);
 }

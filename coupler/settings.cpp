@@ -111,7 +111,9 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.steps = c.time().steps();
   s.loop = loop(c.loop(), source, report);
   s.acceleration = accelerator(c.acceleration());
-  s.projection = {c.projection().largest_gap(), c.projection().quadrature_order()};
+  const v1::ProjectionConfig& p = c.projection();
+  s.projection = {p.largest_gap(), p.quadrature_order(), p.largest_unmatched_area(),
+                  p.largest_normal_angle()};
   const v1::Deadlines& d = c.deadlines();
   s.deadlines = {d.connect(), d.initialize(), d.iterate(), d.other(), d.shutdown()};
   if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);

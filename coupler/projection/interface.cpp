@@ -68,6 +68,12 @@ Result<Interface> make_interface(Surface structure, Surface fluid, const Setting
     return config_error("projection.largest_gap = {}: must be above 0", settings.largest_gap);
   if (settings.quadrature_order < 1 || settings.quadrature_order > 8)
     return config_error("projection.quadrature_order = {}: must be 1 to 8", settings.quadrature_order);
+  if (!(settings.largest_unmatched_area >= 0 && settings.largest_unmatched_area <= 1))
+    return config_error("projection.largest_unmatched_area = {}: must be 0 to 1",
+                        settings.largest_unmatched_area);
+  if (!(settings.largest_normal_angle > 0 && settings.largest_normal_angle <= 90))
+    return config_error("projection.largest_normal_angle = {}: must be above 0 and at most 90 degrees",
+                        settings.largest_normal_angle);
   DROGUE_TRY(complete(structure));
   DROGUE_TRY(complete(fluid));
   auto quadrature = fine_enough(structure, fluid, settings);

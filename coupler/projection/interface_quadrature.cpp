@@ -81,6 +81,16 @@ Error too_far(const MatchReport& r, const Surface& structure, const Surface& flu
                       r.largest_gap_at[2]);
 }
 
+Error too_oblique(const MatchReport& r, const Surface& structure, const Surface& fluid,
+                  const Settings& settings) {
+  return config_error(
+      "the {} surface and the {} surface stand at {:.3g} degrees to one another at ({:.6g}, "
+      "{:.6g}, {:.6g}) in material coordinates; {:.3g} are allowed. Refine the coarser mesh where "
+      "it is bent, or raise projection.largest_normal_angle",
+      fluid.name, structure.name, r.worst_normal_angle, r.worst_normal_at[0], r.worst_normal_at[1],
+      r.worst_normal_at[2], settings.largest_normal_angle);
+}
+
 } // namespace
 
 std::int32_t InterfaceQuadrature::find_rule(ElementKind kind, int subdivisions, int order) {
@@ -172,7 +182,10 @@ void InterfaceQuadrature::locate(const Surface& structure, const Surface& fluid,
       const Vector3d a = area_vector(shape, material),
                      b = area_vector(source, gather(nodes, structure.material));
       const double lengths = a.norm() * b.norm();
-      if (lengths > 0) worst_cosine = std::min(worst_cosine, std::abs(a.dot(b)) / lengths);
+      if (lengths > 0 && std::abs(a.dot(b)) < worst_cosine * lengths) {
+        worst_cosine = std::abs(a.dot(b)) / lengths;
+        report_.worst_normal_at = {p[0], p[1], p[2]};
+      }
     }
   }
   report_.unmatched_area = unmatched / area;
@@ -188,7 +201,11 @@ Result<InterfaceQuadrature> InterfaceQuadrature::create(const Surface& structure
   made.fluid_elements_ = std::make_shared<Elements>(fluid);
   made.choose_rules(structure, fluid, settings, refine);
   made.locate(structure, fluid, settings);
-  if (made.report_.unmatched_points > 0) return too_far(made.report_, structure, fluid, settings);
+  const MatchReport& report = made.report_;
+  if (report.unmatched_area > settings.largest_unmatched_area)
+    return too_far(report, structure, fluid, settings);
+  if (report.worst_normal_angle > settings.largest_normal_angle)
+    return too_oblique(report, structure, fluid, settings);
   return made;
 }
 

@@ -14,6 +14,11 @@ struct Settings {
   double largest_gap = 0.02;
   /// Degree of the quadrature on the fluid's elements.
   int quadrature_order = 4;
+  /// Share of the fluid surface's reference area that may lie beyond the largest gap; 0: none. It takes part
+  /// with its closest points, so that no load is lost.
+  double largest_unmatched_area = 0;
+  /// Largest angle between the two surfaces in any point, in material coordinates [degrees]; 90: any.
+  double largest_normal_angle = 90;
 };
 
 /// What the pairing of two surfaces found.
@@ -24,7 +29,8 @@ struct MatchReport {
   double largest_gap = 0;    ///< relative to the size of the structure, in material coordinates
   std::array<double, 3> largest_gap_at{};
   double worst_normal_angle =
-      0;                 ///< degrees, between the two surfaces in material coordinates, whatever their sides
+      0; ///< degrees, between the two surfaces in material coordinates, whatever their sides
+  std::array<double, 3> worst_normal_at{};
   double dry_area = 0;   ///< share of the structure's reference area with no fluid on it
   int fluid_sides = 1;   ///< largest number of fluid layers on one another
   bool matching = false; ///< the same elements on the same nodes: fields are copied
@@ -50,8 +56,8 @@ class InterfaceQuadrature {
 
   /// @pre complete() accepted both surfaces
   /// @param refine {fluid elements} or empty: factor on the number of subdivisions
-  /// Errors (ErrorKind::config): the surfaces lie too far from one another; says how many points, how far and
-  /// where.
+  /// Errors (ErrorKind::config): the surfaces lie too far from one another (says how many points, how far and
+  /// where), or at too large an angle.
   [[nodiscard]] static Result<InterfaceQuadrature> create(const Surface& structure, const Surface& fluid,
                                                           const Settings& settings,
                                                           std::span<const int> refine = {});
