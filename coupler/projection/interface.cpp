@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/projection/interface.hpp"
 
+#include <cmath>
+
 #include "coupler/projection/surface_integrals.hpp"
 
 namespace drogue::projection {
@@ -85,6 +87,30 @@ Result<Interface> make_interface(Surface structure, Surface fluid, const Setting
   MatchReport report = quadrature->report();
   report.matching = field->matching();
   return Interface{std::move(structure), std::move(fluid), std::move(*field), std::move(*load), report};
+}
+
+double projection_defect(const Interface& interface, std::span<const double> structure,
+                         std::span<const double> fluid) noexcept {
+  if (interface.field.matching()) return 0;
+  const InterfaceQuadrature& quadrature = interface.load.quadrature();
+  double missed = 0, whole = 0;
+  for (const auto& element : quadrature.elements()) {
+    const auto& rule = quadrature.rule(element);
+    const NodeMatrix X = gather(element.nodes, interface.fluid.reference), d_f = gather(element.nodes, fluid);
+    for (std::size_t q = 0; q < rule.weights.size(); ++q) {
+      const auto point = element.first_point + static_cast<std::int64_t>(q);
+      const auto nodes = quadrature.structure_nodes(point);
+      const auto N = quadrature.structure_N(point);
+      Eigen::Vector3d d_s = Eigen::Vector3d::Zero();
+      for (std::size_t a = 0; a < nodes.size(); ++a)
+        d_s += N[a] * Eigen::Map<const Eigen::Vector3d>(structure.data() + 3 * nodes[a]);
+      const fem::SurfaceShape& shape = rule.shapes[q];
+      const double da = rule.weights[q] * area_vector(shape, X).norm();
+      missed += da * (combine(shape.N, shape.nodes, d_f) - d_s).squaredNorm();
+      whole += da * d_s.squaredNorm();
+    }
+  }
+  return whole > 0 ? std::sqrt(missed / whole) : 0;
 }
 
 } // namespace drogue::projection

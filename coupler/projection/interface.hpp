@@ -20,4 +20,12 @@ struct Interface {
 /// Errors (ErrorKind::config): see complete(), InterfaceQuadrature::create(), FieldProjection, LoadTransfer.
 [[nodiscard]] Result<Interface> make_interface(Surface structure, Surface fluid, const Settings& settings);
 
+/// What a projected field misses of its source, over the fluid's reference area in the points of the
+/// projection:
+///   sqrt( int |d_f - d_s(pi)|^2 dA / int |d_s(pi)|^2 dA ),    0 when matching or where d_s is zero.
+/// The least squares make it as small as the fluid's elements allow.
+/// @param structure {structure nodes, 3}  @param fluid {fluid nodes, 3}: its projection
+[[nodiscard]] double projection_defect(const Interface& interface, std::span<const double> structure,
+                                       std::span<const double> fluid) noexcept;
+
 } // namespace drogue::projection

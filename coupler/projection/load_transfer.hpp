@@ -56,6 +56,9 @@ class LoadTransfer {
   /// @param forces {structure nodes, 3}  @param traction {structure nodes, 3}
   [[nodiscard]] Result<void> recover_traction(std::span<const double> forces, std::span<double> traction);
 
+  /// The points of both directions.
+  [[nodiscard]] const InterfaceQuadrature& quadrature() const { return quadrature_; }
+
  private:
   template <class LoadOn>
   LoadSums transfer(const FluidSide& fluid, std::span<double> forces, const LoadOn& load_on) const noexcept;

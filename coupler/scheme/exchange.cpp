@@ -60,6 +60,8 @@ Result<Exchange> Exchange::create(Participants& participants, const CaseSettings
     exchange.to_mesh_mover_.push_back(fluid_node.at(node)); // check_same_mesh: the same set of nodes
   exchange.fluid_d_.resize(participants.fluid_interface.points.size());
   exchange.fluid_x_.resize(exchange.fluid_d_.size());
+  exchange.fluid_v_.resize(exchange.fluid_d_.size());
+  exchange.structure_x_.resize(exchange.structure_size());
   exchange.force_.resize(exchange.structure_size());
   exchange.traction_.resize(exchange.structure_size());
   return exchange;
@@ -101,30 +103,38 @@ Result<FloatArray> Exchange::solve_flow(const Station& at, FloatArray mesh_displ
                                         std::span<const double> v, std::span<const double> v_start) {
   Fields inputs;
   inputs["mesh_displacement"] = std::move(mesh_displacement);
-  std::vector<double> fluid_v(fluid_d_.size());
-  DROGUE_TRY(interface_.field.apply(v, fluid_v));
+  DROGUE_TRY(interface_.field.apply(v, fluid_v_));
   if (!v_start.empty()) {
     std::vector<double> start(fluid_d_.size());
     DROGUE_TRY(interface_.field.apply(v_start, start));
     inputs["velocity_start"] = field(std::move(start));
   }
-  inputs["velocity"] = field(std::move(fluid_v));
+  inputs["velocity"] = field(fluid_v_);
   auto outputs = participants_.fluid(at, std::move(inputs));
   if (!outputs) return outputs.error();
   return std::move(outputs->at(participants_.load_field()));
 }
 
-Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor, IterationRecord& record) {
+Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor, std::span<const double> d,
+                                     std::span<const double> v, IterationRecord& record) {
   for (std::size_t i = 0; i < fluid_x_.size(); ++i) fluid_x_[i] = interface_.fluid.points[i] + fluid_d_[i];
-  const projection::FluidSide fluid{fluid_x_, {}};
+  for (std::size_t i = 0; i < structure_x_.size(); ++i)
+    structure_x_[i] = interface_.structure.points[i] + d[i];
+  const projection::FluidSide fluid{fluid_x_, fluid_v_};
   const projection::LoadSums on_fluid = participants_.load_is_pressure()
                                             ? interface_.load.from_pressure(fluid, load.values, force_)
                                             : interface_.load.from_traction(fluid, load.values, force_);
-  const projection::LoadSums on_structure = projection::sum_nodal(interface_.structure.points, force_);
+  const projection::LoadSums on_structure = projection::sum_nodal(structure_x_, force_, v);
   record.force_fluid = to_array(on_fluid.force);
   record.force_structure = to_array(on_structure.force);
   const double scale = std::max(on_fluid.force.norm(), 1e-300);
   record.force_defect = (on_fluid.force - on_structure.force).norm() / scale;
+  record.moment_fluid = to_array(on_fluid.moment);
+  record.moment_structure = to_array(on_structure.moment);
+  record.power_fluid = on_fluid.power;
+  record.power_structure = on_structure.power;
+  record.displacement_defect = projection::projection_defect(interface_, d, fluid_d_);
+  record.velocity_defect = projection::projection_defect(interface_, v, fluid_v_);
   for (double& f : force_) f *= load_factor;
   return interface_.load.recover_traction(force_, traction_);
 }
@@ -137,7 +147,7 @@ Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span
   if (!mesh_displacement) return mesh_displacement.error();
   const auto load = solve_flow(at, std::move(*mesh_displacement), v, v_start);
   if (!load) return load.error();
-  DROGUE_TRY(transfer_load(*load, load_factor, record));
+  DROGUE_TRY(transfer_load(*load, load_factor, d, v, record));
   auto outputs = participants_.structure(
       at, {{"force", field(force_)}, {"traction", field(traction_)}, {"displacement", field(d)}});
   if (!outputs) return outputs.error();

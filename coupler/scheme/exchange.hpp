@@ -47,6 +47,7 @@ class Exchange {
                                                            std::span<const double> v,
                                                            std::span<const double> v_start);
   [[nodiscard]] Result<void> transfer_load(const participant::FloatArray& load, double load_factor,
+                                           std::span<const double> d, std::span<const double> v,
                                            IterationRecord& record);
 
   Participants& participants_;
@@ -54,7 +55,7 @@ class Exchange {
   projection::SurfaceIntegrals surface_;
   bool outer_boundary_follows_ = true;
   std::vector<std::int64_t> to_mesh_mover_; ///< {n}: fluid interface node of each mesh mover interface node
-  std::vector<double> fluid_d_, fluid_x_, force_, traction_;
+  std::vector<double> fluid_d_, fluid_v_, fluid_x_, structure_x_, force_, traction_;
 };
 
 } // namespace drogue::coupler

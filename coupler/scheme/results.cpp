@@ -28,7 +28,17 @@ Result<Results> Results::create(const std::filesystem::path& run_directory) {
                                                                          "fluid_inner_residual",
                                                                          "structure_inner_iterations",
                                                                          "structure_inner_residual",
-                                                                         "inner_converged"});
+                                                                         "inner_converged",
+                                                                         "moment_fluid_x",
+                                                                         "moment_fluid_y",
+                                                                         "moment_fluid_z",
+                                                                         "moment_structure_x",
+                                                                         "moment_structure_y",
+                                                                         "moment_structure_z",
+                                                                         "power_fluid",
+                                                                         "power_structure",
+                                                                         "displacement_defect",
+                                                                         "velocity_defect"});
   if (!coupling) return coupling.error();
   results.coupling_ = std::move(*coupling);
   auto drag =
@@ -65,7 +75,17 @@ Result<void> Results::iteration(const IterationRecord& r) {
                         r.fluid_inner_residual,
                         r.structure_inner_iterations,
                         r.structure_inner_residual,
-                        r.inner_converged});
+                        r.inner_converged,
+                        r.moment_fluid[0],
+                        r.moment_fluid[1],
+                        r.moment_fluid[2],
+                        r.moment_structure[0],
+                        r.moment_structure[1],
+                        r.moment_structure[2],
+                        r.power_fluid,
+                        r.power_structure,
+                        r.displacement_defect,
+                        r.velocity_defect});
 }
 
 Result<void> Results::step(const StepRecord& r) {

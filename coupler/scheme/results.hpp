@@ -22,6 +22,12 @@ struct IterationRecord {
   Vector3 force_fluid{};        ///< integral of the load over the fluid surface [force]
   Vector3 force_structure{};    ///< sum of the nodal forces [force]
   double force_defect = 0;      ///< |difference| / max(|force_fluid|, tiny)
+  /// Moments about the origin of the load at the displaced positions of either side [force times length].
+  Vector3 moment_fluid{}, moment_structure{};
+  /// Power of the load on the wall velocity of either side: times the step, the work of the step [power].
+  double power_fluid = 0, power_structure = 0;
+  /// L2 defect of the projected displacement and velocity, relative: projection::projection_defect.
+  double displacement_defect = 0, velocity_defect = 0;
   /// Secants the accelerator used for the next iterate, and those its filter left out.
   double columns = 0, dropped_columns = 0;
   double smallest_volume_ratio = 0;

@@ -45,7 +45,17 @@ TEST(Oscillator, FollowsTheMonolithicSolutionWithTenfoldAddedMass) {
   ASSERT_EQ(drag.rows.size(), 20u);
   for (std::size_t n = 0; n < exact.size(); ++n)
     EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-8 * 0.01) << "step " << n + 1;
-  for (std::size_t i = 0; i < coupling.rows.size(); ++i) EXPECT_LT(coupling.at(i, "force_defect"), 1e-12);
+  for (std::size_t i = 0; i < coupling.rows.size(); ++i) {
+    EXPECT_LT(coupling.at(i, "force_defect"), 1e-12);
+    // Both sides see the same work: flat surfaces, and a motion that either carries exactly.
+    EXPECT_NEAR(coupling.at(i, "power_structure"), coupling.at(i, "power_fluid"),
+                1e-10 * (1 + std::abs(coupling.at(i, "power_fluid"))));
+    for (const char* component : {"_x", "_y", "_z"})
+      EXPECT_NEAR(coupling.at(i, std::string("moment_structure") + component),
+                  coupling.at(i, std::string("moment_fluid") + component), 1e-10);
+    EXPECT_LT(coupling.at(i, "displacement_defect"), 1e-10);
+  }
+  EXPECT_GT(std::abs(coupling.at(1, "power_fluid")), 1e-6);
 }
 
 TEST(Oscillator, SmallConstantRelaxationConvergesToTheSame) {

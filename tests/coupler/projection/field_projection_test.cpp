@@ -101,6 +101,22 @@ TEST(FieldProjection, FromQ9IsBetterInL2ThanTheExactNodalValues) {
   EXPECT_GT(std::log2(error[0] / error[1]), 1.8);
 }
 
+TEST(FieldProjection, ReportsWhatItMisses) {
+  const Surface q9 = plate(ElementKind::quad9, 4), t3 = plate(ElementKind::tri3, 7);
+  Interface interface = pair(q9, t3);
+  auto d_s = sample(q9, linear);
+  EXPECT_LT(projection_defect(interface, d_s, to_fluid(interface, d_s)), 1e-13);
+  // x^2: the nearest piecewise linear function misses h^2/6 of it, and any other one more.
+  d_s = sample(q9, [](const Point& p) { return Point{p[0] * p[0], 0, 0}; });
+  auto d_f = to_fluid(interface, d_s);
+  const double least = projection_defect(interface, d_s, d_f);
+  EXPECT_NEAR(least, 1.0 / (49 * 6), 0.01 / (49 * 6));
+  d_f[3 * 20] += 1e-3;
+  EXPECT_GT(projection_defect(interface, d_s, d_f), least);
+  const std::vector<double> none(d_s.size(), 0.0);
+  EXPECT_EQ(projection_defect(interface, none, to_fluid(interface, none)), 0);
+}
+
 TEST(FieldProjection, MatchingMeshesAreCopied) {
   const Surface structure = disc(ElementKind::tri3, 6), fluid = two_sided_disc(6);
   Interface interface = pair(structure, fluid);
