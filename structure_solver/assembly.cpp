@@ -54,12 +54,20 @@ typename Response<Nodes>::Positions current_positions(const std::vector<double>&
   return x;
 }
 
+/// A thread for fewer nodes than this costs more in waking it up than it saves.
+constexpr std::size_t nodes_per_thread = 1000;
+
+int threads_for(const Model& model) {
+  const auto worthwhile = static_cast<int>(std::min<std::size_t>(model.node_count() / nodes_per_thread, 256));
+  return std::clamp(worthwhile, 1, default_threads());
+}
+
 } // namespace
 
 Assembler::Assembler(const Model& model, int threads)
     : model_(model),
       tangent_(model.mesh.node_count(), coupled_nodes(model), model.held),
-      pool_(threads > 0 ? threads : default_threads()),
+      pool_(threads > 0 ? threads : threads_for(model)),
       split_(split_work(model, pool_.size())) {
   for (const AnyBatch& any : model.batches)
     std::visit(

@@ -19,7 +19,7 @@ namespace drogue::structure {
 /// their number (see WorkSplit).
 class Assembler {
  public:
-  /// @param threads 0: default_threads(). @pre `model` outlives the assembler
+  /// @param threads 0: default_threads(), fewer for small models. @pre `model` outlives the assembler
   explicit Assembler(const Model& model, int threads = 0);
 
   struct Request {

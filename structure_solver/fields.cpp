@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <Eigen/Eigenvalues>
+
 #include "structure_solver/load_values.hpp"
 
 namespace drogue::structure {
@@ -30,6 +32,23 @@ struct Sums {
   double min_stress = std::numeric_limits<double>::infinity();
 };
 
+/// Mean of axes, vectors whose sign has no meaning: the first eigenvector of the sum of w d d^T. Its largest
+/// component is positive.
+class AxisMean {
+ public:
+  void add(const Eigen::Vector3d& d, double weight) { sum_ += weight * d * d.transpose(); }
+  void append_to(std::vector<double>& out) const {
+    Eigen::Vector3d axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum_).eigenvectors().col(2);
+    Eigen::Index largest = 0;
+    axis.cwiseAbs().maxCoeff(&largest);
+    if (axis(largest) < 0) axis = -axis;
+    out.insert(out.end(), axis.begin(), axis.end());
+  }
+
+ private:
+  Eigen::Matrix3d sum_ = Eigen::Matrix3d::Zero();
+};
+
 template <class Kernel>
 constexpr bool is_membrane = std::is_same_v<typename Kernel::Material, MembraneMaterial>;
 
@@ -42,6 +61,7 @@ void add(const Batch<Kernel>& batch, const Model& model, std::span<const double>
     const auto& reference = batch.reference[e];
     const auto x = positions<Kernel>(model, u, batch.element(e));
     double total = 0, largest = 0, smallest = 0, state = 0;
+    AxisMean largest_axis, smallest_axis;
     for (std::size_t q = 0; q < Kernel::points; ++q) {
       const auto at = Kernel::point_state(reference, batch.material, x, q);
       const PrincipalStress p = Kernel::principal_stress(at);
@@ -51,6 +71,8 @@ void add(const Batch<Kernel>& batch, const Model& model, std::span<const double>
       total += dV;
       largest += p.largest * dV;
       smallest += p.smallest * dV;
+      largest_axis.add(p.largest_direction, dV);
+      smallest_axis.add(p.smallest_direction, dV);
       if constexpr (is_membrane<Kernel>) {
         state += static_cast<double>(at.wrinkle_state) * dV;
         if (at.wrinkle_state != WrinkleState::taut) sums.wrinkled_area += dV;
@@ -67,6 +89,8 @@ void add(const Batch<Kernel>& batch, const Model& model, std::span<const double>
     }
     sums.fields.cell_largest.push_back(largest / total);
     sums.fields.cell_smallest.push_back(smallest / total);
+    largest_axis.append_to(sums.fields.cell_largest_direction);
+    smallest_axis.append_to(sums.fields.cell_smallest_direction);
     sums.fields.cell_tension.push_back(0);
     sums.fields.cell_wrinkle_state.push_back(state / total);
     if constexpr (is_membrane<Kernel>) sums.area += total;
@@ -75,8 +99,12 @@ void add(const Batch<Kernel>& batch, const Model& model, std::span<const double>
 
 void add(const Batch<Line>& batch, const Model& model, std::span<const double> u, double length, Sums& sums) {
   for (std::size_t e = 0; e < batch.count(); ++e) {
-    const double tension = Line::tension(at_length(batch.reference[e], length), batch.material,
-                                         positions<Line>(model, u, batch.element(e)));
+    const auto x = positions<Line>(model, u, batch.element(e));
+    const double tension = Line::tension(at_length(batch.reference[e], length), batch.material, x);
+    AxisMean axis;
+    axis.add(x.col(1) - x.col(0), 1);
+    axis.append_to(sums.fields.cell_largest_direction);
+    sums.fields.cell_smallest_direction.insert(sums.fields.cell_smallest_direction.end(), 3, 0.0);
     sums.fields.cell_largest.push_back(0);
     sums.fields.cell_smallest.push_back(0);
     sums.fields.cell_tension.push_back(tension);

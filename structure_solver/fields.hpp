@@ -16,6 +16,10 @@ struct StressFields {
   std::vector<double>
       cell_largest; ///< largest principal second Piola-Kirchhoff stress, mean of the element; 0 on lines
   std::vector<double> cell_smallest;
+  /// {cells, 3}: axes of the two, unit vectors of either sign along F e in the current configuration, means
+  /// of the element; a line has its own axis and no second one.
+  std::vector<double> cell_largest_direction;
+  std::vector<double> cell_smallest_direction;
   std::vector<double> cell_tension; ///< tension of a line [force]; 0 on other elements
   /// 0 slack, 1 wrinkled, 2 taut (WrinkleState), mean over a membrane's points; a line is slack or taut.
   std::vector<double> cell_wrinkle_state;

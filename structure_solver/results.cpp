@@ -99,6 +99,8 @@ Result<void> Results::fields(const State& state) {
                      {"principal_stress_2", 1, stress.nodal_smallest}};
   data.cell_data = {{"principal_stress_1", 1, stress.cell_largest},
                     {"principal_stress_2", 1, stress.cell_smallest},
+                    {"principal_direction_1", 3, stress.cell_largest_direction},
+                    {"principal_direction_2", 3, stress.cell_smallest_direction},
                     {"tension", 1, stress.cell_tension},
                     {"wrinkle_state", 1, stress.cell_wrinkle_state}};
   const auto file = directory_ / fmt::format("structure_{:06}.vtu", state.step);

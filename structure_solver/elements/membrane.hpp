@@ -74,12 +74,14 @@ struct Membrane {
     Eigen::Vector3d strain;
     Eigen::Vector3d stress; ///< S_11, S_22, S_12
     WrinkleState wrinkle_state;
+    Eigen::Matrix<double, 3, 2> F = Eigen::Matrix<double, 3, 2>::Zero();
   };
   [[nodiscard]] static PointState point_state(const Reference& ref, const Material& m, const Positions& x,
                                               std::size_t q) noexcept {
     const PlaneStressLaw law(m);
-    const Eigen::Vector3d E = green_strain(x.lazyProduct(ref.gradient[q].transpose()));
-    return {E, law.stress(E).S, law.state(E)};
+    const Eigen::Matrix<double, 3, 2> F = x.lazyProduct(ref.gradient[q].transpose());
+    const Eigen::Vector3d E = green_strain(F);
+    return {E, law.stress(E).S, law.state(E), F};
   }
 
   static void evaluate(const Reference& ref, const Material& m, const Positions& x, bool tangent,
@@ -121,7 +123,9 @@ struct Membrane {
   [[nodiscard]] static PrincipalStress principal_stress(const PointState& s) noexcept {
     const double mean = 0.5 * (s.stress(0) + s.stress(1));
     const double radius = std::hypot(0.5 * (s.stress(0) - s.stress(1)), s.stress(2));
-    return {mean + radius, mean - radius};
+    const double angle = 0.5 * std::atan2(2 * s.stress(2), s.stress(0) - s.stress(1));
+    const Eigen::Vector2d e1(std::cos(angle), std::sin(angle)), e2(-e1(1), e1(0));
+    return {mean + radius, mean - radius, (s.F * e1).normalized(), (s.F * e2).normalized()};
   }
 
  private:

@@ -120,8 +120,11 @@ struct Solid {
 
   /// In plane strain: of the stresses in the plane.
   [[nodiscard]] static PrincipalStress principal_stress(const PointState& s) noexcept {
-    const Vector values = Eigen::SelfAdjointEigenSolver<Tensor>(s.S, Eigen::EigenvaluesOnly).eigenvalues();
-    return {values(dimension - 1), values(0)};
+    const Eigen::SelfAdjointEigenSolver<Tensor> eigen(s.S);
+    PrincipalStress p{eigen.eigenvalues()(dimension - 1), eigen.eigenvalues()(0)};
+    p.largest_direction.head<dimension>() = (s.F * eigen.eigenvectors().col(dimension - 1)).normalized();
+    p.smallest_direction.head<dimension>() = (s.F * eigen.eigenvectors().col(0)).normalized();
+    return p;
   }
 
  private:
