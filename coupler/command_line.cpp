@@ -6,6 +6,7 @@
 
 #include "common/base/log.hpp"
 #include "coupler/check.hpp"
+#include "coupler/checkpoints.hpp"
 #include "coupler/project/project.hpp"
 #include "coupler/run.hpp"
 
@@ -25,14 +26,48 @@ int check(const std::string& file) {
   return 0;
 }
 
+int report(const Result<void>& outcome) {
+  if (outcome) return 0;
+  spdlog::error("{}", outcome.error().message);
+  return exit_status(outcome.error());
+}
+
 int run(const std::string& file) {
-  config::Report report;
-  const CaseSettings settings = check_case(file, report);
-  if (!report.ok()) return fail(report.as_error());
-  if (const auto outcome = run_case(settings); !outcome) {
-    spdlog::error("{}", outcome.error().message);
-    return exit_status(outcome.error());
-  }
+  config::Report errors;
+  const CaseSettings settings = check_case(file, errors);
+  if (!errors.ok()) return fail(errors.as_error());
+  return report(run_case(settings));
+}
+
+CLI::App* add_resume(CLI::App& app, Resume& resume, bool& verbose) {
+  CLI::App* command = app.add_subcommand("resume", "continue a run from its newest checkpoint");
+  command->add_option("RUN_DIR", resume.run_directory, "the run's folder")->required();
+  command->add_option("--from", resume.step, "continue from the checkpoint of this step");
+  command->add_flag("--accept-changes", resume.accept_changes,
+                    "continue although configs or meshes have changed since the checkpoint");
+  command->add_flag("-v,--verbose", verbose, "log every coupling iteration");
+  return command;
+}
+
+struct CheckpointCommand {
+  std::string run_directory;
+  double timeout = 3600; ///< seconds
+};
+
+CLI::App* add_checkpoint(CLI::App& app, CheckpointCommand& c) {
+  CLI::App* command =
+      app.add_subcommand("checkpoint", "have a running coupler write a checkpoint after its present step");
+  command->add_option("RUN_DIR", c.run_directory, "the run's folder")->required();
+  command->add_option("--timeout", c.timeout, "longest wait [seconds]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  return command;
+}
+
+int checkpoint(const CheckpointCommand& c) {
+  const auto step = request_checkpoint(c.run_directory, std::chrono::duration<double>(c.timeout));
+  if (!step) return fail(step.error());
+  fmt::print("checkpoint of step {} in {}\n", *step, CheckpointStore(c.run_directory).folder(*step).string());
   return 0;
 }
 
@@ -89,6 +124,10 @@ int command_line(int argc, char** argv) {
   check_command->add_option("CASE", file, "the case file (*.textproto)")->required();
   ProjectCommand projection;
   const CLI::App* project_command = add_project(app, projection);
+  Resume resume;
+  const CLI::App* resume_command = add_resume(app, resume, verbose);
+  CheckpointCommand wanted;
+  const CLI::App* checkpoint_command = add_checkpoint(app, wanted);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -96,7 +135,9 @@ int command_line(int argc, char** argv) {
   }
   if (*project_command) return project_field(projection);
   if (verbose) spdlog::set_level(spdlog::level::debug);
-  return *check_command ? check(file) : run(file);
+  if (*check_command) return check(file);
+  if (*checkpoint_command) return checkpoint(wanted);
+  return *resume_command ? report(resume_run(resume)) : run(file);
 }
 
 } // namespace drogue::coupler

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/run.hpp"
 
-#include <csignal>
+#include <algorithm>
 #include <cstdio>
 
+#include <fmt/ranges.h>
 #include <spdlog/sinks/basic_file_sink.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "coupler/check.hpp"
+#include "coupler/checkpoints.hpp"
+#include "coupler/inputs.hpp"
 #include "coupler/run_directory.hpp"
 #include "coupler/scheme/step_loop.hpp"
+#include "coupler/stop.hpp"
 
 namespace drogue::coupler {
 namespace {
@@ -17,17 +22,14 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-void on_signal(int) {
-  launcher::Hub::interrupt();
-}
-
 /// A line on a terminal that is written over, plain log lines otherwise.
 class Progress {
  public:
-  explicit Progress(int steps) : steps_(steps), terminal_(isatty(STDERR_FILENO) == 1) {}
+  Progress(int steps, int done_before)
+      : steps_(steps), done_before_(done_before), terminal_(isatty(STDERR_FILENO) == 1) {}
   void step(int done, double time, int iterations, const IterationRecord& last) {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-    const double cost = elapsed / done;
+    const double cost = elapsed / (done - done_before_);
     const std::string line =
         fmt::format("step {}/{}  t {:.4g}  {} iterations  residual {:.1e}  {:.2f} s/step  {:.0f} s left",
                     done, steps_, time, iterations, last.residual_relative, cost, cost * (steps_ - done));
@@ -37,7 +39,7 @@ class Progress {
   }
 
  private:
-  int steps_;
+  int steps_, done_before_;
   bool terminal_;
   Clock::time_point start_ = Clock::now();
 };
@@ -69,48 +71,157 @@ void summarise(const LoopTotals& totals, Participants& participants, double seco
   spdlog::info("peak memory: {}coupler {:.0f} MB", memory, launcher::peak_memory_mb(getpid()));
 }
 
-Result<void> run_steps(const CaseSettings& settings, Participants& participants, const fs::path& directory) {
+/// Where a run starts.
+struct Start {
+  std::uint64_t step = 0; ///< done before
+  bool resumed = false;
+};
+
+struct Case {
+  const CaseSettings& settings;
+  const fs::path& directory;
+  Start start;
+};
+
+std::string how_to_resume(const fs::path& directory) {
+  return fmt::format("continue it with: coupler resume {}", directory.string());
+}
+
+/// @return the last step done: fewer than the case's when a stop in order was asked for
+Result<std::uint64_t> run_steps(const Case& c, Participants& participants, std::vector<Input> inputs) {
+  const CaseSettings& settings = c.settings;
+  const std::string unable = participants.who_cannot_checkpoint();
+  if (settings.checkpoints.asked() && !unable.empty())
+    return config_error("the case asks for checkpoints, but {} cannot give one", unable);
   auto exchange = Exchange::create(participants, settings);
   if (!exchange) return exchange.error();
-  auto results = Results::create(directory);
+  auto results = Results::create(c.directory, c.start.resumed ? io::Existing::keep : io::Existing::replace);
   if (!results) return results.error();
   auto loop = StepLoop::create(participants, *exchange, *results, settings);
   if (!loop) return loop.error();
+  Checkpoints checkpoints(settings, participants, *loop, *results, c.directory, std::move(inputs));
+  if (c.start.resumed) DROGUE_TRY(checkpoints.restore(c.start.step));
+
+  stop::set_orderly(unable.empty());
   const auto start = Clock::now();
-  Progress progress(settings.steps);
-  for (int n = 0; n < settings.steps; ++n) { // steps are counted, times are computed: no drift
+  const auto last = static_cast<std::uint64_t>(settings.steps);
+  Progress progress(settings.steps, static_cast<int>(c.start.step));
+  std::uint64_t done = c.start.step;
+  const auto time = [&](std::uint64_t step) { return static_cast<double>(step) * settings.time_step; };
+  while (done < last && !stop::requested()) { // steps are counted, times are computed: no drift
     const int before = loop->totals().iterations;
-    DROGUE_TRY(loop->advance(static_cast<std::uint64_t>(n) + 1, n * settings.time_step, settings.time_step));
-    progress.step(n + 1, (n + 1) * settings.time_step, loop->totals().iterations - before, loop->last());
+    const auto finished = loop->advance(done + 1, time(done), settings.time_step);
+    if (!finished) return finished.error();
+    if (!*finished) break;
+    ++done;
+    progress.step(static_cast<int>(done), time(done), loop->totals().iterations - before, loop->last());
+    DROGUE_TRY(checkpoints.after_step(done, time(done)));
   }
+  if (done < last && done > 0) DROGUE_TRY(checkpoints.write(done, time(done)));
   summarise(loop->totals(), participants, std::chrono::duration<double>(Clock::now() - start).count());
+  return done;
+}
+
+/// The solvers' part of a run: from their start to their end.
+Result<void> launch_and_run(const Case& c) {
+  std::vector<Input> inputs = inputs_of(c.settings);
+  auto participants = Participants::launch(c.settings, c.directory, c.start.resumed);
+  if (!participants) return participants.error();
+  const auto done = run_steps(c, **participants, std::move(inputs));
+  stop::set_orderly(false);
+  if (!done) {
+    (*participants)->hub().abort(done.error().message);
+    return done.error();
+  }
+  DROGUE_TRY((*participants)->hub().shut_down(launcher::Seconds(c.settings.deadlines.shutdown)));
+  if (*done == static_cast<std::uint64_t>(c.settings.steps)) return {};
+  if (*done == 0) return Error{ErrorKind::interrupted, "stopped by a signal before a step was done"};
+  return Error{ErrorKind::interrupted, fmt::format("stopped by a signal after step {} of {}; {}", *done,
+                                                   c.settings.steps, how_to_resume(c.directory))};
+}
+
+Result<void> run(const Case& c) {
+  auto outcome = launch_and_run(c);
+  if (outcome) {
+    spdlog::info("results in {}", c.directory.string());
+    return {};
+  }
+  Error error = outcome.error();
+  // Signals may reach the solvers as well: their deaths then are no fault of theirs.
+  if (stop::requested() && error.kind == ErrorKind::peer) error.kind = ErrorKind::interrupted;
+  const auto kept = CheckpointStore(c.directory).steps();
+  if (!kept.empty() && error.message.find("coupler resume") == std::string::npos)
+    error.message +=
+        fmt::format("\nthere is a checkpoint of step {}; {}", kept.back(), how_to_resume(c.directory));
+  return error;
+}
+
+void log_into(const fs::path& directory) {
+  spdlog::default_logger()->sinks().push_back(
+      std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "coupler.log").string()));
+}
+
+/// The newest checkpoint that is whole, not after the wanted step.
+Result<Manifest> choose(const fs::path& directory, const std::optional<std::uint64_t>& wanted) {
+  const CheckpointStore store(directory);
+  std::vector<std::uint64_t> steps = store.steps();
+  if (steps.empty()) return config_error("{} holds no checkpoint", directory.string());
+  if (wanted && std::find(steps.begin(), steps.end(), *wanted) == steps.end())
+    return config_error("{} holds no checkpoint of step {}; there are those of steps {}", directory.string(),
+                        *wanted, fmt::join(steps, ", "));
+  for (; !steps.empty(); steps.pop_back()) {
+    if (wanted && steps.back() > *wanted) continue;
+    auto manifest = store.read(steps.back());
+    if (manifest) return manifest;
+    spdlog::warn("the checkpoint of step {} is not used: {}", steps.back(), manifest.error().message);
+  }
+  return config_error("{} holds no checkpoint that is whole", directory.string());
+}
+
+Result<void> accept(const Manifest& manifest, const CaseSettings& settings, bool accept_changes) {
+  const auto changes = differences(manifest, settings);
+  if (changes.empty()) return {};
+  const std::string what =
+      fmt::format("since the checkpoint of step {}: {}", manifest.step, fmt::join(changes, "; "));
+  if (!accept_changes)
+    return config_error("{}. Put back what was there, or resume with --accept-changes", what);
+  spdlog::warn("{}: accepted as asked; the results are not those of one undisturbed run", what);
   return {};
 }
 
 } // namespace
 
 Result<void> run_case(const CaseSettings& settings) {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
-  std::signal(SIGPIPE, SIG_IGN);
+  stop::catch_signals();
   const auto held = RunDirectory::create(settings.run_directory);
   if (!held) return held.error();
   const fs::path& directory = held->path();
-  spdlog::default_logger()->sinks().push_back(
-      std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "coupler.log").string()));
+  log_into(directory);
   std::error_code ignored;
   fs::copy_file(settings.file, directory / settings.file.filename(), ignored);
-
   spdlog::info("case \"{}\" in {}", settings.name, directory.string());
-  auto participants = Participants::launch(settings, directory);
-  if (!participants) return participants.error();
-  if (auto outcome = run_steps(settings, **participants, directory); !outcome) {
-    (*participants)->hub().abort(outcome.error().message);
-    return outcome.error();
+  return run({settings, directory, {}});
+}
+
+Result<void> resume_run(const Resume& resume) {
+  stop::catch_signals();
+  const auto held = RunDirectory::reopen(resume.run_directory);
+  if (!held) return held.error();
+  const fs::path& directory = held->path();
+  log_into(directory);
+  const auto manifest = choose(directory, resume.step);
+  if (!manifest) return manifest.error();
+  config::Report report;
+  const CaseSettings settings = check_case(manifest->case_file.path, report);
+  if (!report.ok()) return report.as_error();
+  DROGUE_TRY(accept(*manifest, settings, resume.accept_changes));
+  spdlog::info("case \"{}\" in {} goes on after step {} (t = {:g})", settings.name, directory.string(),
+               manifest->step, manifest->time);
+  if (manifest->step >= static_cast<std::uint64_t>(settings.steps)) {
+    spdlog::info("nothing is left to do: {} has {} steps", settings.file.string(), settings.steps);
+    return {};
   }
-  DROGUE_TRY((*participants)->hub().shut_down(launcher::Seconds(settings.deadlines.shutdown)));
-  spdlog::info("results in {}", directory.string());
-  return {};
+  return run({settings, directory, {manifest->step, true}});
 }
 
 } // namespace drogue::coupler

@@ -60,6 +60,25 @@ Result<RunDirectory> RunDirectory::create(const fs::path& wanted) {
   fs::create_directories(directory, failure);
   if (failure)
     return config_error("cannot make the run directory {}: {}", directory.string(), failure.message());
+  return hold(std::move(directory));
+}
+
+Result<RunDirectory> RunDirectory::reopen(const fs::path& directory) {
+  if (!fs::exists(directory / lock_file))
+    return config_error("{} is not the folder of a run: it has no file \"{}\"", directory.string(),
+                        lock_file);
+  return hold(fs::absolute(directory).lexically_normal());
+}
+
+Result<void> RunDirectory::check_running(const fs::path& directory) {
+  const int lock = open((directory / lock_file).c_str(), O_RDONLY | O_CLOEXEC);
+  const bool held = lock >= 0 && flock(lock, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (lock >= 0) close(lock);
+  return held ? Result<void>() : config_error("no coupler runs in {}", directory.string());
+}
+
+/// Takes the lock and leaves the pid in it.
+Result<RunDirectory> RunDirectory::hold(fs::path directory) {
   const auto lock = take_lock(directory);
   if (!lock) return lock.error();
   const std::string pid = fmt::format("{}\n", getpid());

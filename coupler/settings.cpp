@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <google/protobuf/text_format.h>
 
+#include "common/base/hash.hpp"
 #include "drogue/v1/coupler.pb.h"
 
 namespace drogue::coupler {
@@ -94,6 +96,19 @@ std::array<double, 3> drag_weights(const v1::DragReference& d, const config::Sou
   return {d.direction_x() / scale, d.direction_y() / scale, d.direction_z() / scale};
 }
 
+/// Equal for two cases of equal results, whatever their layout and comments.
+std::string hash_of(v1::CaseConfig c) {
+  c.clear_run_directory();
+  c.clear_deadlines();
+  c.clear_checkpoints();
+  c.mutable_time()->clear_steps();
+  std::string text;
+  google::protobuf::TextFormat::PrintToString(c, &text);
+  Hash hash;
+  hash.add(text);
+  return hash.text();
+}
+
 } // namespace
 
 CaseSettings load_case(const std::filesystem::path& file, config::Report& report) {
@@ -116,6 +131,9 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
                   p.largest_normal_angle()};
   const v1::Deadlines& d = c.deadlines();
   s.deadlines = {d.connect(), d.initialize(), d.iterate(), d.other(), d.shutdown()};
+  const v1::Checkpoints& k = c.checkpoints();
+  s.checkpoints = {k.steps(), k.time(), k.wall_clock(), k.keep()};
+  s.hash = hash_of(c);
   if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);
   s.outer_boundary_follows = c.outer_boundary() == v1::FOLLOW_MEAN;
   if (c.has_drag()) s.drag_weights = drag_weights(c.drag(), source, report);

@@ -49,6 +49,15 @@ struct DeadlineSettings {
   double shutdown = 10;
 };
 
+/// When checkpoints are written; 0: not for that reason.
+struct CheckpointSettings {
+  int steps = 0;
+  double time = 0;
+  double wall_clock = 0; ///< seconds
+  int keep = 2;
+  [[nodiscard]] bool asked() const { return steps > 0 || time > 0 || wall_clock > 0; }
+};
+
 /// A whole case, checked. Meaning, dimension and range of every value: proto/drogue/v1/coupler.proto.
 struct CaseSettings {
   std::filesystem::path file;
@@ -61,9 +70,11 @@ struct CaseSettings {
   acceleration::Settings acceleration;
   projection::Settings projection;
   DeadlineSettings deadlines;
+  CheckpointSettings checkpoints;
   config::Expression load_factor;
   bool outer_boundary_follows = true;
   std::array<double, 3> drag_weights{}; ///< cd = weights . F; zero without a reference
+  std::string hash;                     ///< of all that changes results, see CheckpointManifest.case_file
 };
 
 /// Reads and checks a case file. All errors land in `report`; what could be read is returned in any case.

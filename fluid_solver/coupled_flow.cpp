@@ -14,6 +14,7 @@ std::size_t at(std::int32_t i) {
 }
 
 constexpr const char* state_file = "fluid.state";
+constexpr const char* positions_file = "results.state";
 
 } // namespace
 
@@ -38,7 +39,8 @@ CoupledFlow::CoupledFlow(const Case& input) : input_(input), run_(input) {
 Result<void> CoupledFlow::execute(const Order& order) {
   switch (order.kind) {
   case Order::Kind::configure:
-    return run_.open_results(order.text);
+    resume_ = !order.numbers.empty() && order.numbers[0] != 0;
+    return run_.open_results(order.text, resume_ ? io::Existing::keep : io::Existing::replace);
   case Order::Kind::initialize:
     return initialize();
   case Order::Kind::begin_step:
@@ -54,7 +56,8 @@ Result<void> CoupledFlow::execute(const Order& order) {
     run_.solver().rollback();
     return {};
   case Order::Kind::checkpoint:
-    return run_.write_state(std::filesystem::path(order.text) / state_file);
+    DROGUE_TRY(run_.write_state(std::filesystem::path(order.text) / state_file));
+    return run_.save_positions(std::filesystem::path(order.text) / positions_file);
   case Order::Kind::restore:
     return restore(order.text);
   case Order::Kind::stop:
@@ -76,7 +79,8 @@ Result<void> CoupledFlow::initialize() {
 Result<void> CoupledFlow::restore(const std::string& directory) {
   const auto file = io::read_state(std::filesystem::path(directory) / state_file);
   if (!file) return file.error();
-  return run_.solver().import_state(*file);
+  DROGUE_TRY(run_.solver().import_state(*file));
+  return resume_ ? run_.restore_positions(std::filesystem::path(directory) / positions_file) : Result<void>();
 }
 
 Result<void> CoupledFlow::iterate(const std::vector<double>& numbers) {

@@ -25,8 +25,8 @@ struct Order {
     stop
   };
   Kind kind = Kind::stop;
-  /// begin_step: time, dt, step. iterate: 1 or 0 (velocity_start given), mesh displacement, velocity,
-  /// velocity_start. commit: 1 or 0 (write fields).
+  /// configure: 1 or 0 (resume). begin_step: time, dt, step. iterate: 1 or 0 (velocity_start given), mesh
+  /// displacement, velocity, velocity_start. commit: 1 or 0 (write fields).
   std::vector<double> numbers;
   std::string text; ///< a directory
 };
@@ -66,6 +66,7 @@ class CoupledFlow {
   std::vector<std::int32_t> interface_file_nodes_;
   std::vector<double> base_points_; ///< solver's order
   NewtonReport report_;
+  bool resume_ = false;
 };
 
 } // namespace drogue::fluid

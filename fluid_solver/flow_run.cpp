@@ -73,10 +73,10 @@ Result<void> FlowRun::start() {
   return {};
 }
 
-Result<void> FlowRun::open_results(const std::filesystem::path& directory) {
+Result<void> FlowRun::open_results(const std::filesystem::path& directory, io::Existing existing) {
   Result<void> done;
   if (la::rank() == 0) {
-    auto made = Results::create(input_.settings, input_.mesh, directory);
+    auto made = Results::create(input_.settings, input_.mesh, directory, existing);
     if (made)
       results_.emplace(std::move(*made));
     else
@@ -118,6 +118,14 @@ Result<void> FlowRun::write_last_fields() {
 
 Result<void> FlowRun::write_state(const std::filesystem::path& file) {
   return agree(la::rank() == 0 ? io::write_state(file, solver_.export_state()) : Result<void>());
+}
+
+Result<void> FlowRun::save_positions(const std::filesystem::path& file) {
+  return agree(results_ ? results_->save_positions(file) : Result<void>());
+}
+
+Result<void> FlowRun::restore_positions(const std::filesystem::path& file) {
+  return agree(results_ ? results_->restore_positions(file) : Result<void>());
 }
 
 } // namespace drogue::fluid

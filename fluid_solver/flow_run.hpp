@@ -32,7 +32,8 @@ class FlowRun {
   /// Reads the initial state, if the settings name one.
   [[nodiscard]] Result<void> start();
   /// @note Collective
-  [[nodiscard]] Result<void> open_results(const std::filesystem::path& directory);
+  [[nodiscard]] Result<void> open_results(const std::filesystem::path& directory,
+                                          io::Existing existing = io::Existing::replace);
   [[nodiscard]] FlowSolver& solver() { return solver_; }
   [[nodiscard]] const FlowSolver& solver() const { return solver_; }
   /// After the last newton() of a step: judgement, forces and figures, commit, files. Errors
@@ -44,6 +45,9 @@ class FlowRun {
   [[nodiscard]] Result<void> write_last_fields();
   /// @note Collective
   [[nodiscard]] Result<void> write_state(const std::filesystem::path& file);
+  /// How far the files are written. @note Collective
+  [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file);
+  [[nodiscard]] Result<void> restore_positions(const std::filesystem::path& file);
 
  private:
   const Case& input_;

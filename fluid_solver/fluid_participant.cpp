@@ -55,7 +55,7 @@ participant::Description FluidParticipant::describe() {
 }
 
 Result<void> FluidParticipant::configure(const participant::RunInfo& run) {
-  return order(Order::Kind::configure, {}, run.directory.string());
+  return order(Order::Kind::configure, {run.resume ? 1.0 : 0.0}, run.directory.string());
 }
 
 Result<participant::InterfaceMesh> FluidParticipant::initialize() {

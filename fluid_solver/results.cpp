@@ -32,30 +32,45 @@ std::vector<std::string> probe_columns(const Settings& settings) {
 } // namespace
 
 Result<Results> Results::create(const Settings& settings, const FluidMesh& mesh,
-                                const std::filesystem::path& directory) {
+                                const std::filesystem::path& directory, io::Existing existing) {
   std::error_code failed;
   std::filesystem::create_directories(directory, failed);
   if (failed) return config_error("cannot create the folder {}: {}", directory.string(), failed.message());
   Results results(settings, mesh);
   results.directory_ = directory;
   results.collection_ = io::PvdCollection(directory / "fluid.pvd");
-  auto flow =
-      io::CsvWriter::create(directory / "flow.csv", {"step", "time", "newton_iterations", "residual",
-                                                     "gmres_iterations", "max_cfl", "mass_imbalance"});
+  auto flow = io::CsvWriter::create(
+      directory / "flow.csv",
+      {"step", "time", "newton_iterations", "residual", "gmres_iterations", "max_cfl", "mass_imbalance"},
+      existing);
   if (!flow) return flow.error();
   results.flow_ = std::move(*flow);
-  auto forces = io::CsvWriter::create(directory / "forces.csv", force_columns(settings));
+  auto forces = io::CsvWriter::create(directory / "forces.csv", force_columns(settings), existing);
   if (!forces) return forces.error();
   results.forces_ = std::move(*forces);
   auto probes = Probes::create(settings, mesh);
   if (!probes) return probes.error();
   results.probes_ = std::move(*probes);
   if (!settings.probes.empty()) {
-    auto series = io::CsvWriter::create(directory / "probes.csv", probe_columns(settings));
+    auto series = io::CsvWriter::create(directory / "probes.csv", probe_columns(settings), existing);
     if (!series) return series.error();
     results.probe_series_.emplace(std::move(*series));
   }
   return results;
+}
+
+io::ResultFiles Results::files() {
+  io::ResultFiles files{{&flow_, &forces_}, {&collection_}};
+  if (probe_series_) files.series.push_back(&*probe_series_);
+  return files;
+}
+
+Result<void> Results::save_positions(const std::filesystem::path& file) {
+  return io::save_positions(file, files());
+}
+
+Result<void> Results::restore_positions(const std::filesystem::path& file) {
+  return io::restore_positions(file, files());
 }
 
 Result<void> Results::write_series(const FlowState& state, const StepFigures& f) {

@@ -8,6 +8,7 @@
 
 #include "common/base/result.hpp"
 #include "common/io/csv.hpp"
+#include "common/io/positions.hpp"
 #include "common/io/vtu.hpp"
 #include "fluid_solver/flow_solver.hpp"
 #include "fluid_solver/forces.hpp"
@@ -27,13 +28,19 @@ struct StepFigures {
 class Results {
  public:
   [[nodiscard]] static Result<Results> create(const Settings& settings, const FluidMesh& mesh,
-                                              const std::filesystem::path& directory);
+                                              const std::filesystem::path& directory,
+                                              io::Existing existing = io::Existing::replace);
   /// The probes' values, and a row of the other series when the step is due.
   [[nodiscard]] Result<void> write_series(const FlowState& state, const StepFigures& figures);
   /// Fields, when the step is due or `force` is set; never twice for a step, never with field_interval 0.
   [[nodiscard]] Result<void> write_fields(const FlowState& state, bool force);
 
+  /// How far the files are written: noted for a checkpoint, and gone back to.
+  [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file);
+  [[nodiscard]] Result<void> restore_positions(const std::filesystem::path& file);
+
  private:
+  [[nodiscard]] io::ResultFiles files();
   Results(const Settings& settings, const FluidMesh& mesh) : settings_(&settings), mesh_(&mesh) {}
 
   const Settings* settings_;

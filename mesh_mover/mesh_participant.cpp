@@ -9,6 +9,7 @@ namespace drogue::mesh_mover {
 namespace {
 
 constexpr const char* state_file = "mesh_mover.state";
+constexpr const char* positions_file = "results.state";
 constexpr const char* state_kind = "mesh_mover";
 
 /// Coordinates of some nodes of `values` {n, 3}.
@@ -44,12 +45,13 @@ participant::Description MeshParticipant::describe() {
 Result<void> MeshParticipant::configure(const participant::RunInfo& run) {
   settings_.output.directory = run.directory;
   time_n_ = run.start_time;
+  resume_ = run.resume;
   return {};
 }
 
 Result<participant::InterfaceMesh> MeshParticipant::initialize() {
   participant::report_progress("reading");
-  auto results = Results::create(settings_.output);
+  auto results = Results::create(settings_.output, resume_ ? io::Existing::keep : io::Existing::replace);
   if (!results) return results.error();
   results_ = std::move(*results);
   auto mover = MeshMover::create(std::move(initial_mesh_), settings_);
@@ -58,6 +60,7 @@ Result<participant::InterfaceMesh> MeshParticipant::initialize() {
   mesh_hash_ = mesh::hash(mover_->mesh());
   spdlog::info("{} nodes, {} tetrahedra, {} interface nodes", mover_->mesh().node_count(),
                mover_->tets().size() / 4, mover_->motion().interface_nodes().size());
+  if (resume_) return interface_mesh();
   SolveReport start;
   start.quality = mover_->current_quality();
   DROGUE_TRY(results_.write(*mover_, 0, time_n_, start, false));
@@ -136,7 +139,8 @@ Result<void> MeshParticipant::checkpoint(const std::filesystem::path& directory)
   state.time = time_n_;
   state.step = steps_done_;
   mover_->save(state);
-  return io::write_state(directory / state_file, state);
+  DROGUE_TRY(io::write_state(directory / state_file, state));
+  return results_.save_positions(directory / positions_file);
 }
 
 Result<void> MeshParticipant::restore(const std::filesystem::path& directory) {
@@ -149,7 +153,7 @@ Result<void> MeshParticipant::restore(const std::filesystem::path& directory) {
   DROGUE_TRY(mover_->load(*state));
   time_n_ = state->time;
   steps_done_ = state->step;
-  return {};
+  return resume_ ? results_.restore_positions(directory / positions_file) : Result<void>();
 }
 
 } // namespace drogue::mesh_mover

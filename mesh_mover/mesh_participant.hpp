@@ -42,6 +42,7 @@ class MeshParticipant : public participant::Solver {
   SolveReport last_;
   double time_n_ = 0;
   std::uint64_t steps_done_ = 0;
+  bool resume_ = false;
 };
 
 } // namespace drogue::mesh_mover

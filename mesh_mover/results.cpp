@@ -3,9 +3,11 @@
 
 #include <system_error>
 
+#include "common/io/positions.hpp"
+
 namespace drogue::mesh_mover {
 
-Result<Results> Results::create(const OutputSettings& settings) {
+Result<Results> Results::create(const OutputSettings& settings, io::Existing existing) {
   std::error_code failure;
   std::filesystem::create_directories(settings.directory, failure);
   if (failure)
@@ -13,13 +15,22 @@ Result<Results> Results::create(const OutputSettings& settings) {
   auto series =
       io::CsvWriter::create(settings.directory / "mesh.csv",
                             {"step", "time", "iterations", "residual", "min_volume_ratio", "max_volume_ratio",
-                             "worst_mean_ratio", "mean_mean_ratio", "worst_x", "worst_y", "worst_z"});
+                             "worst_mean_ratio", "mean_mean_ratio", "worst_x", "worst_y", "worst_z"},
+                            existing);
   if (!series) return series.error();
   Results results;
   results.settings_ = settings;
   results.series_ = std::move(*series);
   results.collection_ = io::PvdCollection(settings.directory / "mesh.pvd");
   return results;
+}
+
+Result<void> Results::save_positions(const std::filesystem::path& file) {
+  return io::save_positions(file, {{&series_}, {&collection_}});
+}
+
+Result<void> Results::restore_positions(const std::filesystem::path& file) {
+  return io::restore_positions(file, {{&series_}, {&collection_}});
 }
 
 Result<void> Results::write(const MeshMover& mover, std::uint64_t step, double time,

@@ -15,11 +15,16 @@ class Results {
  public:
   Results() = default;
   /// Creates the folder and starts the files. Errors: it cannot be written.
-  [[nodiscard]] static Result<Results> create(const OutputSettings& settings);
+  [[nodiscard]] static Result<Results> create(const OutputSettings& settings,
+                                              io::Existing existing = io::Existing::replace);
 
   /// What the last committed step looks like; `is_last` writes the fields whatever the interval says.
   [[nodiscard]] Result<void> write(const MeshMover& mover, std::uint64_t step, double time,
                                    const SolveReport& report, bool is_last);
+
+  /// How far the files are written: noted for a checkpoint, and gone back to.
+  [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file);
+  [[nodiscard]] Result<void> restore_positions(const std::filesystem::path& file);
 
  private:
   [[nodiscard]] Result<void> write_fields(const MeshMover& mover, std::uint64_t step, double time);

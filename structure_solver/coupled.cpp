@@ -14,6 +14,7 @@ namespace {
 using v1::FieldContract;
 
 constexpr const char* checkpoint_file = "structure.state";
+constexpr const char* positions_file = "results.state";
 
 /// Values of a {nodes, k} array on some nodes.
 std::vector<double> gather(std::span<const double> values, std::span<const std::int32_t> nodes,
@@ -81,6 +82,7 @@ participant::Description Coupled::describe() {
 Result<void> Coupled::configure(const participant::RunInfo& run) {
   integrator_.set_time(run.start_time);
   if (case_.settings.time.balanced_start) integrator_.balance_start();
+  resume_ = run.resume;
   results_.emplace(case_.settings, *case_.model, run.directory);
   return {};
 }
@@ -165,14 +167,15 @@ Result<void> Coupled::rollback() {
 }
 
 Result<void> Coupled::checkpoint(const std::filesystem::path& directory) {
-  return save_state(directory / checkpoint_file, *case_.model, integrator_.committed());
+  DROGUE_TRY(save_state(directory / checkpoint_file, *case_.model, integrator_.committed()));
+  return results_->save_positions(directory / positions_file);
 }
 
 Result<void> Coupled::restore(const std::filesystem::path& directory) {
   auto state = read_state(directory / checkpoint_file, *case_.model);
   if (!state) return state.error();
   integrator_.reset(std::move(*state));
-  return {};
+  return resume_ ? results_->continue_from(directory / positions_file, case_.start.step + 1) : Result<void>();
 }
 
 } // namespace drogue::structure

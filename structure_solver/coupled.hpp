@@ -48,6 +48,7 @@ class Coupled : public participant::Solver {
   std::vector<double> u_initial_;      // on the interface, at Initialize
   std::vector<double> force_, target_; // work space of iterate
   int step_iterations_ = 0;
+  bool resume_ = false;
 };
 
 } // namespace drogue::structure

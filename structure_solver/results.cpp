@@ -21,9 +21,10 @@ std::vector<std::string> Results::series_columns() const {
   return columns;
 }
 
-Result<void> Results::open(std::uint64_t first_step) {
+Result<void> Results::open(std::uint64_t first_step, io::Existing existing) {
   const std::string suffix = first_step > 1 ? fmt::format("_from_{}", first_step) : "";
-  auto series = io::CsvWriter::create(directory_ / ("structure" + suffix + ".csv"), series_columns());
+  auto series =
+      io::CsvWriter::create(directory_ / ("structure" + suffix + ".csv"), series_columns(), existing);
   if (!series) return series.error();
   series_ = std::move(*series);
   if (!probes_.empty()) {
@@ -32,13 +33,29 @@ Result<void> Results::open(std::uint64_t first_step) {
       for (const char* quantity : {"", "velocity_", "acceleration_"})
         for (const char* c : {"x", "y", "z"})
           columns.push_back(fmt::format("{}_{}{}", probe.name, quantity, c));
-    auto probes = io::CsvWriter::create(directory_ / ("probes" + suffix + ".csv"), columns);
+    auto probes = io::CsvWriter::create(directory_ / ("probes" + suffix + ".csv"), columns, existing);
     if (!probes) return probes.error();
     probe_series_ = std::move(*probes);
   }
   collection_ = io::PvdCollection(directory_ / ("structure" + suffix + ".pvd"));
   open_ = true;
   return {};
+}
+
+io::ResultFiles Results::files() {
+  io::ResultFiles files{{&series_}, {&collection_}};
+  if (probe_series_) files.series.push_back(&*probe_series_);
+  return files;
+}
+
+Result<void> Results::save_positions(const std::filesystem::path& file) {
+  return open_ ? io::save_positions(file, files()) : Result<void>();
+}
+
+Result<void> Results::continue_from(const std::filesystem::path& file, std::uint64_t first_step) {
+  if (!std::filesystem::exists(file)) return {}; // a checkpoint before the first step
+  DROGUE_TRY(open(first_step, io::Existing::keep));
+  return io::restore_positions(file, files());
 }
 
 Result<void> Results::step(const Step& step) {

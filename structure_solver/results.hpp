@@ -7,6 +7,7 @@
 
 #include "common/base/result.hpp"
 #include "common/io/csv.hpp"
+#include "common/io/positions.hpp"
 #include "common/io/vtu.hpp"
 #include "structure_solver/fields.hpp"
 #include "structure_solver/integrator.hpp"
@@ -39,9 +40,14 @@ class Results {
   [[nodiscard]] Result<void> step(const Step& step);
   /// Writes the fields of `state` unless that was done already or field_interval is 0.
   [[nodiscard]] Result<void> fields(const State& state);
+  /// How far the files are written: noted for a checkpoint, and gone back to by another process that
+  /// continues the run whose first step is given.
+  [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file);
+  [[nodiscard]] Result<void> continue_from(const std::filesystem::path& file, std::uint64_t first_step);
 
  private:
-  [[nodiscard]] Result<void> open(std::uint64_t first_step);
+  [[nodiscard]] Result<void> open(std::uint64_t first_step, io::Existing existing = io::Existing::replace);
+  [[nodiscard]] io::ResultFiles files();
   [[nodiscard]] Result<void> row(const Step& step);
   [[nodiscard]] std::vector<std::string> series_columns() const;
 

@@ -16,15 +16,22 @@ Error write_error(const std::filesystem::path& file) {
 
 } // namespace
 
-Result<CsvWriter> CsvWriter::create(const std::filesystem::path& file, std::vector<std::string> columns) {
+Result<CsvWriter> CsvWriter::create(const std::filesystem::path& file, std::vector<std::string> columns,
+                                    Existing existing) {
   std::error_code error;
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
   CsvWriter writer;
   writer.file_ = file;
-  writer.stream_.open(file, std::ios::trunc);
   writer.columns_ = columns.size();
-  writer.stream_ << fmt::format("{}\n", fmt::join(columns, ",")) << std::flush;
+  if (existing == Existing::keep) writer.size_ = std::filesystem::file_size(file, error);
+  if (error || existing == Existing::replace) writer.size_ = 0;
+  if (writer.size_ == 0) std::ofstream(file, std::ios::trunc); // an error shows below
+  writer.stream_.open(file, std::ios::app);                    // rows follow a cut
+  if (writer.size_ > 0) return writer.stream_ ? Result<CsvWriter>(std::move(writer)) : write_error(file);
+  const std::string header = fmt::format("{}\n", fmt::join(columns, ","));
+  writer.stream_ << header << std::flush;
   if (!writer.stream_) return write_error(file);
+  writer.size_ = header.size();
   return writer;
 }
 
@@ -34,7 +41,20 @@ Result<void> CsvWriter::row(std::span<const double> values) {
   fmt::format_to(std::back_inserter(line), "{}\n", fmt::join(values, ","));
   stream_.write(line.data(), static_cast<std::streamsize>(line.size()));
   stream_.flush();
-  return stream_ ? Result<void>() : write_error(file_);
+  if (!stream_) return write_error(file_);
+  size_ += line.size();
+  return {};
+}
+
+Result<void> CsvWriter::cut(std::uint64_t size) {
+  if (size > size_)
+    return config_error("{} has {} bytes, less than the {} it had at the checkpoint: it was altered",
+                        file_.string(), size_, size);
+  std::error_code error;
+  std::filesystem::resize_file(file_, size, error);
+  if (error) return internal_error("cannot cut {}: {}", file_.string(), error.message());
+  size_ = size;
+  return {};
 }
 
 } // namespace drogue::io

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 
 #include "common/io/atomic_file.hpp"
 
@@ -212,12 +213,28 @@ Result<void> write_vtu(const std::filesystem::path& file, const VtuData& data) {
 Result<void> PvdCollection::add(double time, const std::filesystem::path& vtu) {
   const auto folder = file_.has_parent_path() ? file_.parent_path() : std::filesystem::path(".");
   const auto relative = vtu.lexically_normal().lexically_relative(folder.lexically_normal());
-  entries_.push_back({time, (relative.empty() ? vtu : relative).generic_string()});
+  std::string entry = fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>", time,
+                                  escape((relative.empty() ? vtu : relative).generic_string()));
+  if (!entries_.empty() && entries_.back() == entry) return {};
+  entries_.push_back(std::move(entry));
+  return write();
+}
+
+Result<void> PvdCollection::continue_from(std::size_t count) {
+  entries_.clear();
+  std::ifstream stream(file_);
+  for (std::string line; entries_.size() < count && std::getline(stream, line);)
+    if (line.find("<DataSet ") != std::string::npos) entries_.push_back(line);
+  if (entries_.size() < count)
+    return config_error("{} names {} files, fewer than the {} it named at the checkpoint: it was altered",
+                        file_.string(), entries_.size(), count);
+  return std::filesystem::exists(file_) ? write() : Result<void>();
+}
+
+Result<void> PvdCollection::write() const {
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
                      "byte_order=\"LittleEndian\">\n  <Collection>\n";
-  for (const Entry& entry : entries_)
-    text += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", entry.time,
-                        escape(entry.file));
+  for (const std::string& entry : entries_) text += entry + '\n';
   return write_file(file_, text + "  </Collection>\n</VTKFile>\n");
 }
 

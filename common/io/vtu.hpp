@@ -38,17 +38,18 @@ class PvdCollection {
  public:
   PvdCollection() = default;
   explicit PvdCollection(std::filesystem::path file) : file_(std::move(file)) {}
-  /// `vtu` is stored relative to the collection's folder.
+  /// `vtu` is stored relative to the collection's folder; nothing changes when it is the last one already.
   [[nodiscard]] Result<void> add(double time, const std::filesystem::path& vtu);
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  /// Continues the collection that stands in file() with its first `count` entries. Errors
+  /// (ErrorKind::config): it has fewer.
+  [[nodiscard]] Result<void> continue_from(std::size_t count);
 
  private:
-  struct Entry {
-    double time;
-    std::string file;
-  };
+  [[nodiscard]] Result<void> write() const;
   std::filesystem::path file_;
-  std::vector<Entry> entries_;
+  std::vector<std::string> entries_; ///< lines of the file
 };
 
 } // namespace drogue::io

@@ -115,7 +115,7 @@ Result<Process> Process::start(const Command& command) {
   std::vector<std::string> environment = merged_environment(command.environment);
   const std::vector<char*> argv = pointers(arguments), envp = pointers(environment);
 
-  const int log = open(command.log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int log = open(command.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (log < 0)
     return config_error("cannot write the log {}: {}", command.log_file.string(), std::strerror(errno));
   int report[2];

@@ -97,8 +97,8 @@ Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Me
 
 } // namespace
 
-Result<std::unique_ptr<Participants>> Participants::launch(const CaseSettings& settings,
-                                                           const std::filesystem::path& run_directory) {
+Result<std::unique_ptr<Participants>>
+Participants::launch(const CaseSettings& settings, const std::filesystem::path& run_directory, bool resume) {
   std::unique_ptr<Participants> p(new Participants(settings));
   auto hub = launcher::Hub::create(new_run_id());
   if (!hub) return hub.error();
@@ -111,7 +111,7 @@ Result<std::unique_ptr<Participants>> Participants::launch(const CaseSettings& s
     for (Peer* peer : {p->structure_, p->mesh_mover_, p->fluid_})
       DROGUE_TRY(p->hub_->await_hello(*peer, Seconds(settings.deadlines.connect)));
     DROGUE_TRY(p->check_contracts());
-    DROGUE_TRY(p->configure(run_directory));
+    DROGUE_TRY(p->configure(run_directory, resume));
     return p->initialize();
   };
   if (auto outcome = all(); !outcome) {
@@ -197,7 +197,7 @@ Result<void> Participants::choose_load() {
            : "at the end of the step");
 }
 
-Result<void> Participants::configure(const std::filesystem::path& run_directory) {
+Result<void> Participants::configure(const std::filesystem::path& run_directory, bool resume) {
   for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
     wire::Message m = message();
     v1::Configure& c = *m.envelope.mutable_configure();
@@ -205,6 +205,7 @@ Result<void> Participants::configure(const std::filesystem::path& run_directory)
     c.set_directory((run_directory / peer->name).string());
     c.set_start_time(0);
     c.set_time_step(settings_.time_step);
+    c.set_resume(resume);
     DROGUE_TRY(hub_->post(*peer, std::move(m)));
   }
   for (Peer* peer : {structure_, mesh_mover_, fluid_})
@@ -260,6 +261,44 @@ Result<void> Participants::roll_back(const Station& at) {
     m.envelope.mutable_rollback();
     DROGUE_TRY(hub_->ask(*peer, std::move(m), Seconds(settings_.deadlines.other)));
   }
+  return {};
+}
+
+Result<void> Participants::checkpoint(const Station& at, const std::filesystem::path& directory) {
+  const std::array everyone{structure_, mesh_mover_, fluid_};
+  for (Peer* peer : everyone) {
+    const auto own = directory / peer->name;
+    std::error_code failure;
+    std::filesystem::create_directories(own, failure);
+    if (failure) return internal_error("cannot make the folder {}: {}", own.string(), failure.message());
+    wire::Message m = message(at);
+    m.envelope.mutable_checkpoint()->set_directory(own.string());
+    DROGUE_TRY(hub_->post(*peer, std::move(m)));
+  }
+  for (Peer* peer : everyone) DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.other)));
+  return {};
+}
+
+Result<void> Participants::restore(const Station& at, const std::filesystem::path& directory) {
+  const std::array everyone{structure_, mesh_mover_, fluid_};
+  for (Peer* peer : everyone) {
+    wire::Message m = message(at);
+    m.envelope.mutable_restore()->set_directory((directory / peer->name).string());
+    DROGUE_TRY(hub_->post(*peer, std::move(m)));
+  }
+  for (Peer* peer : everyone) DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.other)));
+  return {};
+}
+
+std::string Participants::who_cannot_checkpoint() const {
+  for (const Peer* peer : {structure_, mesh_mover_, fluid_})
+    if (!peer->hello.can_checkpoint()) return peer->name;
+  return {};
+}
+
+std::string Participants::who_cannot_roll_back() const {
+  for (const Peer* peer : {structure_, mesh_mover_, fluid_})
+    if (!peer->hello.can_rollback()) return peer->name;
   return {};
 }
 

@@ -23,9 +23,10 @@ struct Station {
 class Participants {
  public:
   /// Starts the three processes (working directory RUN/NAME, log RUN/NAME.log), shakes hands, checks
-  /// versions, capabilities and field contracts, and initialises them side by side.
+  /// versions, capabilities and field contracts, and initialises them side by side. `resume`: their results
+  /// of an earlier part stay, and restore() follows.
   [[nodiscard]] static Result<std::unique_ptr<Participants>>
-  launch(const CaseSettings& settings, const std::filesystem::path& run_directory);
+  launch(const CaseSettings& settings, const std::filesystem::path& run_directory, bool resume = false);
 
   /// The interface each gave at Initialize.
   participant::InterfaceMesh fluid_interface, structure_interface, mesh_interface;
@@ -35,6 +36,14 @@ class Participants {
   [[nodiscard]] Result<void> commit(const Station& at, bool write_output);
   /// Everyone that is in the step goes back to its beginning.
   [[nodiscard]] Result<void> roll_back(const Station& at);
+
+  /// All three, between two steps: each into, or from, DIRECTORY/NAME. @pre nobody is in
+  /// who_cannot_checkpoint()
+  [[nodiscard]] Result<void> checkpoint(const Station& at, const std::filesystem::path& directory);
+  [[nodiscard]] Result<void> restore(const Station& at, const std::filesystem::path& directory);
+  /// Who lacks a capability; empty when all have it.
+  [[nodiscard]] std::string who_cannot_checkpoint() const;
+  [[nodiscard]] std::string who_cannot_roll_back() const;
 
   /// One solve: sends `inputs` (only those that the participant's contract names) and gives its outputs.
   [[nodiscard]] Result<participant::Fields> structure(const Station& at, participant::Fields inputs);
@@ -62,7 +71,7 @@ class Participants {
                                    launcher::Peer*& peer);
   [[nodiscard]] Result<void> check_contracts();
   [[nodiscard]] Result<void> choose_load();
-  [[nodiscard]] Result<void> configure(const std::filesystem::path& run_directory);
+  [[nodiscard]] Result<void> configure(const std::filesystem::path& run_directory, bool resume);
   [[nodiscard]] Result<void> initialize();
   [[nodiscard]] Result<participant::Fields> iterate(launcher::Peer& peer, const Station& at,
                                                     participant::Fields inputs);

@@ -1,54 +1,67 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/scheme/results.hpp"
 
+#include "common/io/positions.hpp"
+
 namespace drogue::coupler {
 
-Result<Results> Results::create(const std::filesystem::path& run_directory) {
+Result<Results> Results::create(const std::filesystem::path& run_directory, io::Existing existing) {
   Results results;
-  auto coupling = io::CsvWriter::create(run_directory / "coupling.csv", {"step",
-                                                                         "attempt",
-                                                                         "iteration",
-                                                                         "time",
-                                                                         "residual_relative",
-                                                                         "residual_absolute",
-                                                                         "increment",
-                                                                         "velocity_residual",
-                                                                         "sweep_defect",
-                                                                         "force_fluid_x",
-                                                                         "force_fluid_y",
-                                                                         "force_fluid_z",
-                                                                         "force_structure_x",
-                                                                         "force_structure_y",
-                                                                         "force_structure_z",
-                                                                         "force_defect",
-                                                                         "columns",
-                                                                         "dropped_columns",
-                                                                         "smallest_volume_ratio",
-                                                                         "fluid_inner_iterations",
-                                                                         "fluid_inner_residual",
-                                                                         "structure_inner_iterations",
-                                                                         "structure_inner_residual",
-                                                                         "inner_converged",
-                                                                         "moment_fluid_x",
-                                                                         "moment_fluid_y",
-                                                                         "moment_fluid_z",
-                                                                         "moment_structure_x",
-                                                                         "moment_structure_y",
-                                                                         "moment_structure_z",
-                                                                         "power_fluid",
-                                                                         "power_structure",
-                                                                         "displacement_defect",
-                                                                         "velocity_defect"});
+  auto coupling = io::CsvWriter::create(run_directory / "coupling.csv",
+                                        {"step",
+                                         "attempt",
+                                         "iteration",
+                                         "time",
+                                         "residual_relative",
+                                         "residual_absolute",
+                                         "increment",
+                                         "velocity_residual",
+                                         "sweep_defect",
+                                         "force_fluid_x",
+                                         "force_fluid_y",
+                                         "force_fluid_z",
+                                         "force_structure_x",
+                                         "force_structure_y",
+                                         "force_structure_z",
+                                         "force_defect",
+                                         "columns",
+                                         "dropped_columns",
+                                         "smallest_volume_ratio",
+                                         "fluid_inner_iterations",
+                                         "fluid_inner_residual",
+                                         "structure_inner_iterations",
+                                         "structure_inner_residual",
+                                         "inner_converged",
+                                         "moment_fluid_x",
+                                         "moment_fluid_y",
+                                         "moment_fluid_z",
+                                         "moment_structure_x",
+                                         "moment_structure_y",
+                                         "moment_structure_z",
+                                         "power_fluid",
+                                         "power_structure",
+                                         "displacement_defect",
+                                         "velocity_defect"},
+                                        existing);
   if (!coupling) return coupling.error();
   results.coupling_ = std::move(*coupling);
   auto drag =
       io::CsvWriter::create(run_directory / "drag.csv",
                             {"time", "force_x", "force_y", "force_z", "cd", "load_factor",
                              "mean_displacement_x", "mean_displacement_y", "mean_displacement_z",
-                             "vector_area_x", "vector_area_y", "vector_area_z", "iterations", "converged"});
+                             "vector_area_x", "vector_area_y", "vector_area_z", "iterations", "converged"},
+                            existing);
   if (!drag) return drag.error();
   results.drag_ = std::move(*drag);
   return results;
+}
+
+Result<void> Results::save_positions(const std::filesystem::path& file) {
+  return io::save_positions(file, {{&coupling_, &drag_}, {}});
+}
+
+Result<void> Results::restore_positions(const std::filesystem::path& file) {
+  return io::restore_positions(file, {{&coupling_, &drag_}, {}});
 }
 
 Result<void> Results::iteration(const IterationRecord& r) {

@@ -52,10 +52,17 @@ struct StepRecord {
 /// coupling.csv and drag.csv, a row at a time; what is written stays.
 class Results {
  public:
-  [[nodiscard]] static Result<Results> create(const std::filesystem::path& run_directory);
+  [[nodiscard]] static Result<Results> create(const std::filesystem::path& run_directory,
+                                              io::Existing existing = io::Existing::replace);
   /// Errors of both: as io::CsvWriter::row.
   [[nodiscard]] Result<void> iteration(const IterationRecord& r);
   [[nodiscard]] Result<void> step(const StepRecord& r);
+  /// How far the files are written: noted for a checkpoint, and gone back to.
+  [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file);
+  [[nodiscard]] Result<void> restore_positions(const std::filesystem::path& file);
+  /// Length of coupling.csv, and back to that.
+  [[nodiscard]] std::uint64_t iterations_size() const { return coupling_.size(); }
+  [[nodiscard]] Result<void> cut_iterations(std::uint64_t size) { return coupling_.cut(size); }
 
  private:
   io::CsvWriter coupling_, drag_;

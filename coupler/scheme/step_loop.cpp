@@ -6,6 +6,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "coupler/stop.hpp"
+
 namespace drogue::coupler {
 namespace {
 
@@ -41,38 +43,60 @@ Result<void> StepLoop::use_step(double time_step) {
   return {};
 }
 
-Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step) {
+Result<bool> StepLoop::advance(std::uint64_t step, double time, double time_step) {
   attempt_ = 0;
   step_unconverged_ = false;
-  const int before = totals_.iterations;
-  DROGUE_TRY(advance(step, time, time_step, Part{}));
+  totals_before_ = totals_;
+  results_before_ = results_.iterations_size();
+  const auto done = advance(step, time, time_step, Part{});
+  if (!done || !*done) return done;
   ++totals_.steps;
-  totals_.most_iterations = std::max(totals_.most_iterations, totals_.iterations - before);
+  totals_.most_iterations = std::max(totals_.most_iterations, totals_.iterations - totals_before_.iterations);
   totals_.unconverged += step_unconverged_ ? 1 : 0;
-  return {};
+  return true;
 }
 
-Result<void> StepLoop::advance(std::uint64_t step, double time, double time_step, Part part) {
+/// A step of which nothing is committed can be taken back, by participants that can roll back.
+bool StepLoop::may_stop() const {
+  return stop::requested() && totals_.parts == totals_before_.parts &&
+         participants_.who_cannot_roll_back().empty();
+}
+
+Result<bool> StepLoop::take_back(const Station& at) {
+  DROGUE_TRY(participants_.roll_back(at));
+  accelerator_->rollback();
+  totals_ = totals_before_;
+  DROGUE_TRY(results_.cut_iterations(results_before_));
+  return false;
+}
+
+Result<bool> StepLoop::advance(std::uint64_t step, double time, double time_step, Part part) {
   Station at{step, 0, ++attempt_};
   DROGUE_TRY(use_step(time_step));
   const bool may_retry =
       settings_.loop.non_convergence == NonConvergence::retry && part.halvings < settings_.loop.max_halvings;
   auto outcome = iterate(at, time, time_step);
   if (!outcome) return outcome.error();
-  if (outcome->converged) return finish(at, *outcome, time, time_step, part.is_last);
+  if (outcome->stopped) return take_back(at);
+  const auto finished = [&]() -> Result<bool> {
+    DROGUE_TRY(finish(at, *outcome, time, time_step, part.is_last));
+    return true;
+  };
+  if (outcome->converged) return finished();
 
   const std::string what = fmt::format("step {} (t = {:g}, length {:g}) did not converge: {}", at.step,
                                        time + time_step, time_step, outcome->trouble);
   if (settings_.loop.non_convergence == NonConvergence::accept && outcome->acceptable) {
     spdlog::warn("{}: accepted as the case says", what);
-    return finish(at, *outcome, time, time_step, part.is_last);
+    return finished();
   }
   if (!may_retry) return numerical_error("{}", what);
   spdlog::warn("{}: rolled back, in halves", what);
   DROGUE_TRY(participants_.roll_back(at));
   accelerator_->rollback();
   ++totals_.retries;
-  DROGUE_TRY(advance(step, time, 0.5 * time_step, {part.halvings + 1, false}));
+  const auto first_half = advance(step, time, 0.5 * time_step, {part.halvings + 1, false});
+  if (!first_half || !*first_half) return first_half;
   return advance(step, time + 0.5 * time_step, 0.5 * time_step, {part.halvings + 1, part.is_last});
 }
 
@@ -119,6 +143,10 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     spdlog::debug("step {} iteration {}: residual {:.2e} of the increment", at.step, k,
                   record_.residual_relative);
     if (outcome.converged) return outcome;
+    if (may_stop()) {
+      outcome.stopped = true;
+      return outcome;
+    }
     if (diverged) {
       outcome.trouble = fmt::format("the residual grew to {:.3g}", record_.residual_absolute);
       return outcome;

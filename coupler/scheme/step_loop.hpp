@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/result.hpp"
+#include "common/io/state_file.hpp"
 #include "coupler/acceleration/accelerator.hpp"
 #include "coupler/scheme/exchange.hpp"
 
@@ -36,8 +37,14 @@ class StepLoop {
  public:
   [[nodiscard]] static Result<StepLoop> create(Participants& participants, Exchange& exchange,
                                                Results& results, const CaseSettings& settings);
-  /// Does the step from `time` to `time + time_step` (in halves if the policy says so).
-  [[nodiscard]] Result<void> advance(std::uint64_t step, double time, double time_step);
+  /// Does the step from `time` to `time + time_step` (in halves if the policy says so). False: a stop was
+  /// asked for (coupler/stop.hpp), and all is as it was before the step; a step that cannot be taken back is
+  /// finished.
+  [[nodiscard]] Result<bool> advance(std::uint64_t step, double time, double time_step);
+  /// Adds to a checkpoint what the steps to come depend on. @pre between two steps
+  void save(io::State& state) const;
+  /// Errors (ErrorKind::config): an array is missing, or does not fit.
+  [[nodiscard]] Result<void> load(const io::State& state);
   [[nodiscard]] const LoopTotals& totals() const { return totals_; }
   [[nodiscard]] const IterationRecord& last() const { return record_; }
 
@@ -53,6 +60,7 @@ class StepLoop {
   };
   struct Outcome {
     bool converged = false;
+    bool stopped = false;    ///< on request, before it converged
     bool acceptable = false; ///< not converged within the allowed iterations, but neither failed nor diverged
     int iterations = 0;
     std::string trouble; ///< why not, when a solver failed or the residual blew up
@@ -60,7 +68,9 @@ class StepLoop {
   StepLoop(Participants& participants, Exchange& exchange, Results& results, const CaseSettings& settings)
       : participants_(participants), exchange_(exchange), results_(results), settings_(settings) {}
 
-  [[nodiscard]] Result<void> advance(std::uint64_t step, double time, double time_step, Part part);
+  [[nodiscard]] Result<bool> advance(std::uint64_t step, double time, double time_step, Part part);
+  [[nodiscard]] Result<bool> take_back(const Station& at);
+  [[nodiscard]] bool may_stop() const;
   [[nodiscard]] Result<Outcome> iterate(Station& at, double time, double time_step);
   [[nodiscard]] Result<void> finish(const Station& at, const Outcome& outcome, double time, double time_step,
                                     bool whole_step);
@@ -87,7 +97,8 @@ class StepLoop {
   std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, r_, work_;
   std::vector<double> d_before_, d_tilde_before_;
   IterationRecord record_;
-  LoopTotals totals_;
+  LoopTotals totals_, totals_before_; ///< now, and before the present step
+  std::uint64_t results_before_ = 0;  ///< length of coupling.csv before the present step
 };
 
 } // namespace drogue::coupler

@@ -180,7 +180,8 @@ class Server {
       return Refusal{v1::Error::UNSUPPORTED,
                      fmt::format("protocol version {} expected, got {}", wire::version, request.version())};
     time_step_ = request.time_step();
-    return verdict(solver_.configure({request.directory(), request.start_time(), request.time_step()}));
+    return verdict(solver_.configure(
+        {request.directory(), request.start_time(), request.time_step(), request.resume()}));
   }
 
   Verdict initialize(wire::Message& reply) {

@@ -69,6 +69,9 @@ struct RunInfo {
   std::filesystem::path directory;
   double start_time = 0;
   double time_step = 0;
+  /// The folder holds the results of the part of this run that was done before: they stay. restore() follows
+  /// initialize() and says where they go on.
+  bool resume = false;
 };
 
 struct StepInfo {
@@ -109,7 +112,11 @@ class Solver {
   /// Makes the last iterate the state at t_{n+1}; writes results when told.
   [[nodiscard]] virtual Result<void> commit(bool write_output) = 0;
   [[nodiscard]] virtual Result<void> rollback() = 0;
+  /// Saves what the steps to come depend on into files of any names in `directory`, which exists; changes
+  /// nothing.
   [[nodiscard]] virtual Result<void> checkpoint(const std::filesystem::path& directory) = 0;
+  /// The exact state at checkpoint() again. In a run with RunInfo::resume it also cuts series of results to
+  /// their length at the checkpoint, and continues them.
   [[nodiscard]] virtual Result<void> restore(const std::filesystem::path& directory) = 0;
 };
 

@@ -9,10 +9,11 @@
 //
 // usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] [--refuse-step N]
 //                               [--second-rank yes]                           [--velocity V]
-//                               [--fixed-residual R] --connect ENDPOINT
+//                               [--fixed-residual R] [--checkpoints no] [--rolls-back no] --connect ENDPOINT
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -39,7 +40,8 @@ struct Options {
   /// A solver that says it does a fixed number of iterations, is not converged, and has this residual in the
   /// first three iterates of a step and none later; below 0: one that converges.
   double fixed_residual = -1;
-  std::vector<std::int64_t> pids; ///< this process and its second rank; empty without one
+  bool checkpoints = true, rolls_back = true; ///< whether it can
+  std::vector<std::int64_t> pids;             ///< this process and its second rank; empty without one
 };
 
 /// The unit square as a grid of n x n squares, two triangles each; n differs between the two sides.
@@ -92,14 +94,31 @@ class Plate : public Solver {
     now_ = n_;
     return {};
   }
-  Result<void> checkpoint(const std::filesystem::path&) override { return {}; }
-  Result<void> restore(const std::filesystem::path&) override { return {}; }
+  /// The motion's three numbers, to the bit.
+  Result<void> checkpoint(const std::filesystem::path& directory) override {
+    std::ofstream stream(directory / "plate", std::ios::binary);
+    stream.write(reinterpret_cast<const char*>(&n_), sizeof n_);
+    return stream ? Result<void>() : internal_error("cannot write the plate's state");
+  }
+  Result<void> restore(const std::filesystem::path& directory) override {
+    std::ifstream stream(directory / "plate", std::ios::binary);
+    stream.read(reinterpret_cast<char*>(&n_), sizeof n_);
+    now_ = n_;
+    return stream ? Result<void>() : config_error("cannot read the plate's state");
+  }
 
  protected:
   struct Motion {
     double d = 0, v = 0, a = 0;
   };
   virtual Result<IterationReport> solve(const Fields& in, Fields& out) = 0;
+  [[nodiscard]] Description described(const char* software) const {
+    Description d;
+    d.software = software;
+    d.can_checkpoint = options_.checkpoints;
+    d.can_rollback = options_.rolls_back;
+    return d;
+  }
   [[nodiscard]] std::uint64_t nodes() const { return mesh_.mesh_node_count; }
   [[nodiscard]] FloatArray along_z(double value) const {
     FloatArray a{{nodes(), 3}, std::vector<double>(3 * nodes(), 0.0)};
@@ -121,8 +140,7 @@ class Structure : public Plate {
     if (n_.v != 0) mesh_.velocity = along_z(n_.v).values;
   }
   Description describe() override {
-    Description d;
-    d.software = "oscillator structure";
+    Description d = described("oscillator structure");
     d.inputs = {field("force", C::FORCE, C::INTERFACE_NODES, 3)};
     d.outputs = {field("displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3),
                  field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3)};
@@ -149,8 +167,7 @@ class Fluid : public Plate {
  public:
   explicit Fluid(Options o) : Plate(std::move(o), 7) { n_ = now_ = {0, 0, initial_acceleration}; }
   Description describe() override {
-    Description d;
-    d.software = "oscillator fluid";
+    Description d = described("oscillator fluid");
     d.pids = options_.pids;
     d.inputs = {field("mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3),
                 field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3),
@@ -179,8 +196,7 @@ class Mover : public Plate {
  public:
   explicit Mover(Options o) : Plate(std::move(o), 7) {}
   Description describe() override {
-    Description d;
-    d.software = "oscillator mesh mover";
+    Description d = described("oscillator mesh mover");
     d.inputs = {field("displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3)};
     d.outputs = {field("mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3)};
     return d;
@@ -213,6 +229,8 @@ int main(int argc, char** argv) {
     if (name == "--connect") options.endpoint = argv[i + 1];
     if (name == "--delay") options.delay = std::atof(argv[i + 1]);
     if (name == "--refuse-step") options.refused_step = std::strtoull(argv[i + 1], nullptr, 10);
+    if (name == "--checkpoints") options.checkpoints = std::string(argv[i + 1]) == "yes";
+    if (name == "--rolls-back") options.rolls_back = std::string(argv[i + 1]) == "yes";
     if (name == "--velocity") options.velocity = std::atof(argv[i + 1]);
     if (name == "--fixed-residual") options.fixed_residual = std::atof(argv[i + 1]);
     if (name == "--refuse-steps-above") options.refuse_steps_above = std::atof(argv[i + 1]);

@@ -13,9 +13,8 @@
 
 #include "common/io/state_file.hpp"
 #include "common/mesh/msh.hpp"
-#include "coupler/launcher/process.hpp"
 #include "tests/mesh_mover/box_mesh.hpp"
-#include "tests/support/coupled_case.hpp"
+#include "tests/support/checkpoint_runs.hpp"
 #include "tests/support/verify.hpp"
 
 namespace drogue::test {
@@ -137,16 +136,23 @@ double fitted_omega(const std::vector<double>& t, const std::vector<double>& w, 
   return 0.5 * (lower + upper);
 }
 
-/// Runs the case and compares with the exact solution; `name` in the table of verifications.
-void verify_with(const std::string& mesh_mover, const std::string& name) {
-  const auto folder = fresh_folder("run");
+double time_step() {
+  return 2 * std::numbers::pi / exact_omega() / 48;
+}
+
+/// All files of the case.
+void write_everything(const std::filesystem::path& folder, const std::string& mesh_mover, int steps) {
   const mesh::Mesh structure = structure_mesh();
   ASSERT_TRUE(mesh::write_msh(folder / "structure.msh", structure).ok());
   ASSERT_TRUE(mesh::write_msh(folder / "fluid.msh", fluid_mesh()).ok());
   write_start(folder, structure);
-  const double period = 2 * std::numbers::pi / exact_omega(), dt = period / 48;
-  const int steps = 60;
-  write_configs(folder, mesh_mover, dt, steps);
+  write_configs(folder, mesh_mover, time_step(), steps);
+}
+
+/// Runs the case and compares with the exact solution; `name` in the table of verifications.
+void verify_with(const std::string& mesh_mover, const std::string& name) {
+  const auto folder = fresh_folder("run");
+  write_everything(folder, mesh_mover, 60);
 
   auto coupler =
       launcher::Process::start({{std::string(DROGUE_BIN_DIR) + "/coupler", "run", "case.textproto"},
@@ -174,8 +180,47 @@ void verify_with(const std::string& mesh_mover, const std::string& name) {
   verify(name, "force_defect", worst, 0, 1e-12);
 }
 
+constexpr const char* our_mesh_mover = "command: 'mesh_mover' config: 'mesh.textproto'";
+
 TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
-  verify_with("command: 'mesh_mover' config: 'mesh.textproto'", "coupler/membrane_on_fluid");
+  verify_with(our_mesh_mover, "coupler/membrane_on_fluid");
+}
+
+/// The case with fields and probes every second step, and a checkpoint every two.
+std::filesystem::path case_with_checkpoints(const std::string& name, int steps) {
+  const auto folder = fresh_folder(name);
+  write_everything(folder, our_mesh_mover, steps);
+  for (const char* config : {"structure.textproto", "fluid.textproto", "mesh.textproto"}) {
+    std::string text = read_text(folder / config);
+    text.replace(text.find("field_interval: 0"), 17, "field_interval: 2");
+    if (config[0] != 'm') text += "probe { name: 'middle' x: 0.5 y: 0.025 z: 0.5 }\n";
+    std::ofstream(folder / config) << text;
+  }
+  std::ofstream(folder / "case.textproto", std::ios::app) << "checkpoints { steps: 2 }\n";
+  return folder;
+}
+
+// Our own solvers, stopped by a signal in the middle of a step and resumed: the same results and states to
+// the bit, in series that go on as if nothing had happened.
+TEST(MembraneOnFluid, AResumedRunIsTheUndisturbedOneToTheBit) {
+  const auto whole = case_with_checkpoints("whole", 6), folder = case_with_checkpoints("resumed", 6);
+  ASSERT_EQ(run_coupler_with(whole, {"run", "case.textproto"}), 0) << read_text(whole / "output.txt");
+  launcher::Process coupler = start_program(folder, {"run", "case.textproto"});
+  const auto output = [&] { return read_text(folder / "output.txt"); };
+  ASSERT_TRUE(eventually([&] { return output().find("step 3/6") != std::string::npos; }, 120)) << output();
+  kill(coupler.pid(), SIGTERM);
+  const auto exit = coupler.wait(std::chrono::minutes(1));
+  ASSERT_TRUE(exit.has_value());
+  EXPECT_EQ(exit->status, 5) << output();
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output();
+  const auto expected = everything(whole, 6);
+  for (const char* file :
+       {"structure/structure.pvd", "structure/probes.csv", "fluid/fluid.pvd", "fluid/probes.csv",
+        "fluid/forces.csv", "mesh_mover/mesh.pvd", "checkpoints/00000006/fluid/fluid.state"})
+    EXPECT_TRUE(expected.count(file)) << file;
+  auto found = everything(folder, 6);
+  found.erase("fluid/fluid_000003.vtu"); // the last state of the interrupted part, in no collection any more
+  expect_same(expected, found);
 }
 
 // A program in another language takes the place of ours: the example of examples/python_mesh_mover.

@@ -98,6 +98,10 @@ class Solver:
         """Returns a Description."""
         raise NotImplementedError
 
+    # True in a resumed run: `directory` holds the results of the part that was done before. They stay; restore() follows
+    # initialize() and says where they go on.
+    resumed = False
+
     def configure(self, directory, start_time, time_step):
         """`directory` is where results go."""
 
@@ -119,10 +123,10 @@ class Solver:
         """Back to the state at begin_step()."""
 
     def checkpoint(self, directory):
-        """Saves the committed state under `directory`."""
+        """Saves the committed state into files of any names in `directory`, which exists."""
 
     def restore(self, directory):
-        """Reads what checkpoint() saved."""
+        """Reads what checkpoint() saved; in a resumed run also cuts series of results to their length then."""
 
 
 def field_contract(name, quantity, location, components, time_level="END_OF_STEP", optional=False):
@@ -218,6 +222,7 @@ class _Server:
         if body.version != wire.VERSION:
             raise SolverError(f"protocol version {wire.VERSION} expected, got {body.version}", Error.UNSUPPORTED)
         self.time_step = body.time_step
+        self.solver.resumed = body.resume
         self.solver.configure(body.directory, body.start_time, body.time_step)
 
     def do_initialize(self, body, request, reply):

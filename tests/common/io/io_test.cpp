@@ -12,6 +12,7 @@
 
 #include "common/io/atomic_file.hpp"
 #include "common/io/csv.hpp"
+#include "common/io/positions.hpp"
 #include "common/io/state_file.hpp"
 #include "common/io/vtu.hpp"
 
@@ -200,6 +201,52 @@ TEST_F(Io, VtuRefusesArraysOfTheWrongLength) {
   ASSERT_FALSE(result.ok());
   EXPECT_THAT(result.error().message, HasSubstr("array \"pressure\": 2 values for 3 PointData"));
   EXPECT_EQ(files_in_folder(), 0U);
+}
+
+TEST_F(Io, SeriesAndCollectionsGoOnFromAnEarlierPosition) {
+  const auto run = [&](Existing existing, int first, int last, bool save, bool restore) {
+    auto csv = CsvWriter::create(folder_ / "run/a.csv", {"step"}, existing);
+    ASSERT_TRUE(csv.ok());
+    PvdCollection collection(folder_ / "run/a.pvd");
+    const ResultFiles files{{&*csv}, {&collection}};
+    if (restore) {
+      const auto restored = restore_positions(folder_ / "at_3.state", files);
+      ASSERT_TRUE(restored.ok()) << restored.error().message;
+    }
+    for (int step = first; step <= last; ++step) {
+      ASSERT_TRUE(csv->row({0.1 * step}).ok());
+      ASSERT_TRUE(collection.add(0.1 * step, folder_ / fmt::format("run/a_{}.vtu", step)).ok());
+      if (save && step == 3) {
+        ASSERT_TRUE(save_positions(folder_ / "at_3.state", files).ok());
+      }
+    }
+  };
+  run(Existing::replace, 1, 6, true, false);
+  const std::string csv = content(folder_ / "run/a.csv"), pvd = content(folder_ / "run/a.pvd");
+  run(Existing::keep, 4, 5, false, true);
+  EXPECT_LT(content(folder_ / "run/a.csv").size(), csv.size());
+  run(Existing::keep, 4, 6, false, true);
+  EXPECT_EQ(content(folder_ / "run/a.csv"), csv);
+  EXPECT_EQ(content(folder_ / "run/a.pvd"), pvd);
+}
+
+TEST_F(Io, APositionBehindTheEndOfAFileIsRefused) {
+  auto csv = CsvWriter::create(folder_ / "a.csv", {"step"});
+  ASSERT_TRUE(csv.ok());
+  PvdCollection collection(folder_ / "a.pvd");
+  const ResultFiles files{{&*csv}, {&collection}};
+  ASSERT_TRUE(csv->row({1.0}).ok() && collection.add(1, folder_ / "a_1.vtu").ok());
+  ASSERT_TRUE(save_positions(folder_ / "late.state", files).ok());
+  std::filesystem::remove(folder_ / "a.pvd");
+  EXPECT_THAT(restore_positions(folder_ / "late.state", files).error().message,
+              HasSubstr("a.pvd names 0 files, fewer than the 1"));
+  ASSERT_TRUE(csv->cut(5).ok()); // the header
+  EXPECT_THAT(restore_positions(folder_ / "late.state", files).error().message,
+              HasSubstr("a.csv has 5 bytes, less than the 7"));
+  auto other = CsvWriter::create(folder_ / "b.csv", {"step"});
+  ASSERT_TRUE(other.ok());
+  EXPECT_THAT(restore_positions(folder_ / "late.state", {{&*other}, {}}).error().message,
+              HasSubstr("does not say how far"));
 }
 
 TEST_F(Io, PvdStoresRelativePaths) {

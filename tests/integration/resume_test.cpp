@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Checkpoints of coupled runs, and runs continued from them: every result, and the state at the end, must be
+// those of the run that was not disturbed, to the bit.
+#include "tests/support/checkpoint_runs.hpp"
+
+namespace drogue::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Steps in halves now and then, so that two step lengths have secants of their own.
+OscillatorCase demanding(const std::string& extra = "") {
+  return {.fluid_arguments = "--refuse-step 3",
+          .steps = 12,
+          .extra = "loop { predictor: 2 non_convergence: RETRY }" + extra};
+}
+
+/// The results of an undisturbed run with a checkpoint at its end.
+std::map<std::string, std::string> undisturbed(const OscillatorCase& c) {
+  const auto folder = fresh_folder("undisturbed");
+  write_case(folder, c);
+  EXPECT_EQ(run_coupler_with(folder, {"run", "case.textproto"}), 0) << read_text(folder / "output.txt");
+  return everything(folder, c.steps);
+}
+
+/// A run that ended after `steps` steps, as if the case had no more.
+fs::path partial_run(OscillatorCase c, int steps) {
+  const auto folder = fresh_folder("resumed");
+  const int all = c.steps;
+  c.steps = steps;
+  write_case(folder, c);
+  EXPECT_EQ(run_coupler_with(folder, {"run", "case.textproto"}), 0) << read_text(folder / "output.txt");
+  c.steps = all;
+  write_case(folder, c);
+  return folder;
+}
+
+std::string output(const fs::path& folder) {
+  return read_text(folder / "output.txt");
+}
+
+TEST(Resume, NPlusMStepsAreNStepsResumedForM) {
+  for (const char* acceleration : {"", "acceleration { method: AITKEN relaxation: 0.1 } ",
+                                   "acceleration { method: CONSTANT relaxation: 0.1 } "}) {
+    OscillatorCase c = demanding(fmt::format(" {} checkpoints {{ steps: 4 }}", acceleration));
+    c.extra.replace(c.extra.find("predictor"), 0, "max_iterations: 400 ");
+    const auto folder = partial_run(c, 4);
+    ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+    expect_same(undisturbed(c), everything(folder, 12));
+    EXPECT_NE(output(folder).find("12 steps (done in 13 parts)"), std::string::npos) << output(folder);
+  }
+}
+
+TEST(Resume, ContinuesAfterTheCouplerWasKilledInAStep) {
+  OscillatorCase c = demanding(" checkpoints { steps: 2 keep: 3 }");
+  const auto expected = undisturbed(c);
+  c.structure_arguments = "--delay 0.02";
+  const auto folder = fresh_folder("resumed");
+  write_case(folder, c);
+  for (int i = 0; i < 3; ++i) {
+    launcher::Process coupler =
+        i == 0 ? start_program(folder, {"run", "case.textproto"}) : start_program(folder, {"resume", "run"});
+    ASSERT_TRUE(eventually([&] { return has_checkpoint(folder, 2 * (i + 1)); })) << output(folder);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    kill(coupler.pid(), SIGKILL);
+    ASSERT_TRUE(coupler.wait(std::chrono::seconds(10)).has_value());
+  }
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+  expect_same(expected, everything(folder, 12));
+}
+
+TEST(Resume, SigtermTakesTheStepBackAndLeavesACheckpoint) {
+  for (const char* rolls_back : {"yes", "no"}) {
+    OscillatorCase c{.fluid_arguments = fmt::format("--delay 0.05 --rolls-back {}", rolls_back),
+                     .steps = 12,
+                     .extra = "checkpoints { steps: 12 }"};
+    const auto folder = fresh_folder("resumed");
+    write_case(folder, c);
+    launcher::Process coupler = start_program(folder, {"run", "case.textproto"});
+    ASSERT_TRUE(eventually([&] { return output(folder).find("step 3/12") != std::string::npos; }))
+        << output(folder);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    kill(coupler.pid(), SIGTERM);
+    const auto exit = coupler.wait(std::chrono::seconds(30));
+    ASSERT_TRUE(exit.has_value());
+    EXPECT_EQ(exit->status, 5);
+    EXPECT_NE(output(folder).find("of 12; continue it with: coupler resume " + (folder / "run").string()),
+              std::string::npos)
+        << output(folder);
+    ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+    expect_same(undisturbed(c), everything(folder, 12));
+  }
+}
+
+TEST(Resume, ACheckpointIsWrittenOnDemand) {
+  OscillatorCase c{.fluid_arguments = "--delay 0.05", .steps = 1000};
+  const auto folder = fresh_folder("run");
+  write_case(folder, c);
+  launcher::Process coupler = start_program(folder, {"run", "case.textproto"});
+  ASSERT_TRUE(eventually([&] { return output(folder).find("step 1/1000") != std::string::npos; }))
+      << output(folder);
+  EXPECT_FALSE(fs::exists(folder / "run/checkpoints"));
+  const auto asker = folder / "asker";
+  fs::create_directories(asker);
+  EXPECT_EQ(run_coupler_with(asker, {"checkpoint", (folder / "run").string()}), 0) << output(asker);
+  EXPECT_EQ(output(asker).rfind("checkpoint of step ", 0), 0u) << output(asker);
+  EXPECT_FALSE(fs::is_empty(folder / "run/checkpoints"));
+  kill(coupler.pid(), SIGKILL);
+  ASSERT_TRUE(coupler.wait(std::chrono::seconds(10)).has_value());
+  EXPECT_EQ(run_coupler_with(asker, {"checkpoint", (folder / "run").string()}), 2);
+  EXPECT_NE(output(asker).find("no coupler runs in"), std::string::npos) << output(asker);
+}
+
+TEST(Resume, OldCheckpointsAreRemoved) {
+  const auto folder = partial_run({.steps = 9, .extra = "checkpoints { time: 0.04 keep: 3 }"}, 9);
+  for (const int step : {1, 2, 3, 5, 7, 9}) EXPECT_FALSE(has_checkpoint(folder, step)) << step;
+  for (const int step : {4, 6, 8}) EXPECT_TRUE(has_checkpoint(folder, step)) << step;
+}
+
+TEST(Resume, WallClockTimeAsksForCheckpointsToo) {
+  const auto folder = partial_run({.steps = 2, .extra = "checkpoints { wall_clock: 1e-6 }"}, 2);
+  EXPECT_TRUE(has_checkpoint(folder, 1) && has_checkpoint(folder, 2));
+}
+
+TEST(Resume, FromAnEarlierCheckpointRemovesTheLaterOnes) {
+  const OscillatorCase c = demanding(" checkpoints { steps: 2 keep: 9 }");
+  const auto folder = partial_run(c, 10);
+  EXPECT_EQ(run_coupler_with(folder, {"resume", "run", "--from", "5"}), 2);
+  EXPECT_NE(output(folder).find("no checkpoint of step 5; there are those of steps 2, 4, 6, 8, 10"),
+            std::string::npos)
+      << output(folder);
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run", "--from", "4"}), 0) << output(folder);
+  EXPECT_NE(output(folder).find("checkpoint of step 6, after the one in use, is removed"), std::string::npos);
+  expect_same(undisturbed(c), everything(folder, 12));
+}
+
+TEST(Resume, NothingIsLeftToDo) {
+  const auto folder = partial_run({.steps = 3, .extra = "checkpoints { steps: 3 }"}, 3);
+  EXPECT_EQ(run_coupler_with(folder, {"resume", "run"}), 0);
+  EXPECT_NE(output(folder).find("nothing is left to do"), std::string::npos) << output(folder);
+}
+
+/// What can happen to a file of the newest checkpoint.
+struct Damage {
+  const char* file;
+  void (*by)(const fs::path&);
+  const char* message;
+};
+void cut_short(const fs::path& file) {
+  fs::resize_file(file, fs::file_size(file) - 3);
+}
+void alter(const fs::path& file) {
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  stream.seekg(20);
+  const int byte = stream.get();
+  stream.seekp(20);
+  stream.put(static_cast<char>(byte ^ 1));
+}
+void erase(const fs::path& file) {
+  fs::remove(file);
+}
+
+TEST(Resume, ADamagedCheckpointIsReportedAndTheOneBeforeItUsed) {
+  const OscillatorCase c = demanding(" checkpoints { steps: 4 }");
+  const auto expected = undisturbed(c);
+  for (const Damage& damage : {Damage{"fluid/plate", cut_short, "has 21 bytes in place of 24"},
+                               Damage{"structure/plate", alter, "was altered: its checksum is wrong"},
+                               Damage{"coupler.state", erase, "No such file"},
+                               Damage{"manifest.textproto", cut_short, "was cut short or altered"},
+                               Damage{"manifest.textproto", alter, "was cut short or altered"},
+                               Damage{"manifest.textproto", erase, "goes on after step 4"}}) {
+    const auto folder = partial_run(c, 8);
+    damage.by(checkpoint_folder(folder, 8) / damage.file);
+    ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+    EXPECT_NE(output(folder).find(damage.message), std::string::npos)
+        << damage.file << ": " << output(folder);
+    EXPECT_NE(output(folder).find("goes on after step 4"), std::string::npos) << output(folder);
+    expect_same(expected, everything(folder, 12));
+  }
+}
+
+TEST(Resume, AChangedCaseIsRefusedUnlessAccepted) {
+  OscillatorCase c{.steps = 6, .extra = "checkpoints { steps: 2 }"};
+  const auto folder = partial_run(c, 4);
+  c.fluid_arguments = "--delay 0.001";
+  write_case(folder, c);
+  EXPECT_EQ(run_coupler_with(folder, {"resume", "run"}), 2);
+  EXPECT_NE(output(folder).find("case.textproto has changed"), std::string::npos) << output(folder);
+  EXPECT_EQ(run_coupler_with(folder, {"resume", "run", "--accept-changes"}), 0) << output(folder);
+  EXPECT_NE(output(folder).find("accepted as asked"), std::string::npos) << output(folder);
+}
+
+TEST(Resume, AResultFileThatWasCutIsRefused) {
+  const auto folder = partial_run({.steps = 6, .extra = "checkpoints { steps: 2 }"}, 4);
+  cut_short(folder / "run/drag.csv");
+  EXPECT_EQ(run_coupler_with(folder, {"resume", "run"}), 2);
+  EXPECT_NE(output(folder).find("drag.csv has"), std::string::npos) << output(folder);
+}
+
+TEST(Resume, IsRefusedWithoutACheckpointAndWhileTheRunGoesOn) {
+  const auto folder = partial_run({.steps = 2}, 1);
+  EXPECT_EQ(run_coupler_with(folder, {"resume", "run"}), 2);
+  EXPECT_NE(output(folder).find("holds no checkpoint"), std::string::npos) << output(folder);
+  EXPECT_EQ(run_coupler_with(folder, {"resume", "."}), 2);
+  EXPECT_NE(output(folder).find("is not the folder of a run"), std::string::npos) << output(folder);
+
+  const auto other = fresh_folder("running");
+  write_case(other, {.fluid_arguments = "--delay 0.1", .steps = 1000, .extra = "checkpoints { steps: 1 }"});
+  launcher::Process coupler = start_program(other, {"run", "case.textproto"});
+  ASSERT_TRUE(eventually([&] { return has_checkpoint(other, 1); })) << output(other);
+  EXPECT_EQ(run_coupler_with(folder, {"resume", (other / "run").string()}), 2);
+  EXPECT_NE(output(folder).find(fmt::format("another coupler (pid {}) runs in", coupler.pid())),
+            std::string::npos)
+      << output(folder);
+}
+
+TEST(Resume, CheckpointsNeedParticipantsThatCanGiveThem) {
+  const auto folder = fresh_folder("run");
+  write_case(folder, {.fluid_arguments = "--checkpoints no", .extra = "checkpoints { steps: 1 }"});
+  EXPECT_EQ(run_coupler_with(folder, {"run", "case.textproto"}), 2);
+  EXPECT_NE(output(folder).find("the case asks for checkpoints, but fluid cannot give one"),
+            std::string::npos)
+      << output(folder);
+}
+
+} // namespace
+} // namespace drogue::test
