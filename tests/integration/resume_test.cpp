@@ -69,6 +69,22 @@ TEST(Resume, ContinuesAfterTheCouplerWasKilledInAStep) {
   expect_same(expected, everything(folder, 12));
 }
 
+TEST(Resume, ContinuesAfterTheDeathOfAParticipant) {
+  const OscillatorCase c{.fluid_arguments = "--delay 0.03", .steps = 12, .extra = "checkpoints { steps: 4 }"};
+  const auto folder = fresh_folder("resumed");
+  write_case(folder, c);
+  launcher::Process coupler = start_program(folder, {"run", "case.textproto"});
+  ASSERT_TRUE(eventually([&] { return has_checkpoint(folder, 4); })) << output(folder);
+  const std::string text = output(folder), mark = "fluid started, pid ";
+  ASSERT_EQ(kill(std::stoi(text.substr(text.find(mark) + mark.size())), SIGKILL), 0);
+  const auto exit = coupler.wait(std::chrono::seconds(10));
+  ASSERT_TRUE(exit.has_value());
+  EXPECT_EQ(exit->status, 4);
+  EXPECT_NE(output(folder).find("there is a checkpoint of step "), std::string::npos) << output(folder);
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+  expect_same(undisturbed(c), everything(folder, 12));
+}
+
 TEST(Resume, SigtermTakesTheStepBackAndLeavesACheckpoint) {
   for (const char* rolls_back : {"yes", "no"}) {
     OscillatorCase c{.fluid_arguments = fmt::format("--delay 0.05 --rolls-back {}", rolls_back),
