@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The projection between two meshes of the unit hemisphere (an octahedron split n times and a grid of m rings)
-// with 5,000, 20,000 and 80,000 nodes a side, in one process: set-up, and one coupling iteration, which takes a
-// displacement to the fluid and its traction back to the structure as nodal forces. Beside each figure stands that of
-// preCICE 3.4.1's nearest-projection mapping on the same pair, which includes its transport between two
-// processes, and conserves no force that is also a good traction.
+// The projection between two meshes of the unit hemisphere (an octahedron split n times and a grid of m
+// rings) with 5,000, 20,000 and 80,000 nodes a side, in one process: set-up, and one coupling iteration,
+// which takes a displacement to the fluid and its traction back to the structure as nodal forces. Beside each
+// figure stands that of preCICE 3.4.1's nearest-projection mapping on the same pair, which includes its
+// transport between two processes, and conserves no force that is also a good traction.
 #include <benchmark/benchmark.h>
 
 #include <malloc.h>
@@ -55,8 +55,11 @@ struct Fields {
       : interface(make_interface(test::octahedron_hemisphere(size.structure_splits),
                                  test::lat_long_hemisphere(size.fluid_rings), {})
                       .value()),
-        d_s(test::sample(interface.structure, test::wavy)), d_f(interface.fluid.points.size()),
-        t_f(test::sample(interface.fluid, test::wavy)), f_s(d_s.size()), t_s(d_s.size()) {}
+        d_s(test::sample(interface.structure, test::wavy)),
+        d_f(interface.fluid.points.size()),
+        t_f(test::sample(interface.fluid, test::wavy)),
+        f_s(d_s.size()),
+        t_s(d_s.size()) {}
   [[nodiscard]] bool displacement() { return interface.field.apply(d_s, d_f).ok(); }
   void force() {
     benchmark::DoNotOptimize(interface.load.from_traction({interface.fluid.points, {}}, t_f, f_s));

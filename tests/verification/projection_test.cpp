@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Least-squares projection between two meshes of the unit hemisphere that match nowhere: the structure's, an
-// octahedron split n times (or Q9 patches on it), and the fluid's, rings of equal latitude. Both are inscribed
-// in the sphere, with facets of their own. Fields: (f(x,y,z), f(y,z,x), f(z,x,y)), f = sin 4x cos 3y + z, and
-// Franke's function in three dimensions. Errors: sqrt(sum |ours - exact|^2 / sum |exact|^2) over the nodes.
+// octahedron split n times (or Q9 patches on it), and the fluid's, rings of equal latitude. Both are
+// inscribed in the sphere, with facets of their own. Fields: (f(x,y,z), f(y,z,x), f(z,x,y)), f = sin 4x cos
+// 3y + z, and Franke's function in three dimensions. Errors: sqrt(sum |ours - exact|^2 / sum |exact|^2) over
+// the nodes.
 //
-// Bounds from 5,000 nodes on; at 1,000 four times those, of second order. Displacement: what the nearest-projection mapping of preCICE 3.4.1 reaches on the same pair and field
-// (measured). Traction: of the size of that mapping's consistent form, which conserves nothing; ours is the
-// density of forces that add up to the fluid's.
+// Bounds from 5,000 nodes on; at 1,000 four times those, of second order. Displacement: what the
+// nearest-projection mapping of preCICE 3.4.1 reaches on the same pair and field (measured). Traction: of the
+// size of that mapping's consistent form, which conserves nothing; ours is the density of forces that add up
+// to the fluid's.
 #include <cmath>
 
 #include "coupler/projection/interface.hpp"
@@ -132,8 +134,8 @@ TEST(Projection, BetweenTriangles) {
   verify_between(name, "traction_order", std::log(traction[0] / traction[1]) / refinement, 1.9, 2.6);
 }
 
-// Least squares is nearest in the L2 norm, not in the nodes: linear triangles that follow a curved field as near
-// as they can stand off it there by up to twice what they do when the source is linear as well.
+// Least squares is nearest in the L2 norm, not in the nodes: linear triangles that follow a curved field as
+// near as they can stand off it there by up to twice what they do when the source is linear as well.
 TEST(Projection, BetweenNineNodeQuadrilateralsAndTriangles) {
   for (const Level& level : levels) {
     const Surface q9 = quad9_hemisphere(level.patches), t3 = lat_long_hemisphere(level.rings);

@@ -65,7 +65,7 @@ class PatchWork {
 inline mesh::Mesh quad_disk(int m, int k) {
   PatchWork work(mesh::ElementKind::quad9);
   const double inner = 0.5, bulge = 0.6; // half diagonal share; 1: a circle, 0: a square
-  const auto side = [=](double s) {           // the square's lower side, from corner to corner
+  const auto side = [=](double s) {      // the square's lower side, from corner to corner
     const double angle = std::numbers::pi * (-0.75 + 0.5 * s);
     const Eigen::Vector3d arc(inner * std::cos(angle), inner * std::sin(angle), 0);
     const double corner = inner / std::numbers::sqrt2;

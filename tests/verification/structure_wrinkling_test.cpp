@@ -245,7 +245,8 @@ Bending bend(ElementKind kind, int m, int n, double k) {
 
   const std::vector<double>& u = integrator.committed().u;
   std::vector<double> force(u.size());
-  Assembler(model).assemble({.displacement = u, .load_displacement = u, .loads = *evaluate_loads(model, 0)}, force);
+  Assembler(model).assemble({.displacement = u, .load_displacement = u, .loads = *evaluate_loads(model, 0)},
+                            force);
   double P = 0, M = 0;
   for (const std::int32_t node : model.mesh.nodes_of("end")) {
     const std::size_t i = 3 * static_cast<std::size_t>(node);
