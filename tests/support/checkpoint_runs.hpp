@@ -46,14 +46,25 @@ inline bool has_checkpoint(const std::filesystem::path& folder, int step) {
   return std::filesystem::exists(checkpoint_folder(folder, step) / "manifest.textproto");
 }
 
-/// Content of all results (*.csv, *.pvd, *.vtu) of a run by their names, and of the files of its checkpoint
-/// of `step` but the manifest, which names paths.
+/// Whether a collection beside it names a .vtu file. A solver that is stopped may write its last state, of
+/// which a resumed run knows nothing any more.
+inline bool in_a_collection(const std::filesystem::path& vtu) {
+  for (const auto& entry : std::filesystem::directory_iterator(vtu.parent_path()))
+    if (entry.path().extension() == ".pvd" &&
+        read_text(entry.path()).find(vtu.filename().string()) != std::string::npos)
+      return true;
+  return false;
+}
+
+/// Content of all results (*.csv, *.pvd, *.vtu of a collection) of a run by their names, and of the files of
+/// its checkpoint of `step` but the manifest, which names paths.
 inline std::map<std::string, std::string> everything(const std::filesystem::path& folder, int step) {
   namespace fs = std::filesystem;
   std::map<std::string, std::string> content;
   for (const auto& entry : fs::recursive_directory_iterator(folder / "run")) {
     const std::string name = entry.path().lexically_relative(folder / "run"), type = entry.path().extension();
-    if (type == ".csv" || type == ".pvd" || type == ".vtu") content[name] = read_text(entry.path());
+    if (type == ".csv" || type == ".pvd" || (type == ".vtu" && in_a_collection(entry.path())))
+      content[name] = read_text(entry.path());
   }
   for (const auto& entry : fs::recursive_directory_iterator(checkpoint_folder(folder, step)))
     if (entry.is_regular_file() && entry.path().filename() != "manifest.textproto")
