@@ -21,6 +21,7 @@ class T10Quick : public testing::Test {
   }
   /// Runs a program of the build in the case's folder.
   void run(const std::string& program, const std::string& command, const std::string& config) {
+    fs::remove(folder_ / "output.txt"); // a process appends to its log
     auto process = launcher::Process::start({{fmt::format("{}/{}", DROGUE_BIN_DIR, program), command, config},
                                              {},
                                              folder_,
