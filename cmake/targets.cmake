@@ -66,10 +66,12 @@ endfunction()
 
 # drogue_benchmark(NAME SOURCES a_bench.cpp DEPS drogue::b ...)
 # One Google Benchmark executable, NAME ending in _bench and starting with its group: common, fluid, structure, mesh,
-# coupler, participants, t10. scripts/bench runs it.
+# coupler, participants, t10. The target benchmarks builds them all, scripts/bench runs them.
+add_custom_target(benchmarks)
 function(drogue_benchmark name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
+  add_dependencies(benchmarks ${name})
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE drogue_options ${ARG_DEPS} benchmark::benchmark benchmark::benchmark_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/benchmarks)

@@ -6,15 +6,10 @@
 #include <cmath>
 
 #include "structure_solver/drag_assembly.hpp"
+#include "structure_solver/norm.hpp"
 
 namespace drogue::structure {
 namespace {
-
-double norm(std::span<const double> x) noexcept {
-  double sum = 0;
-  for (const double value : x) sum += value * value;
-  return std::sqrt(sum);
-}
 
 double largest_nodal(std::span<const double> x) noexcept {
   double largest = 0;

@@ -5,17 +5,9 @@
 
 #include "structure_solver/drag_assembly.hpp"
 #include "structure_solver/integrator.hpp"
+#include "structure_solver/norm.hpp"
 
 namespace drogue::structure {
-namespace {
-
-double norm(std::span<const double> x) noexcept {
-  double sum = 0;
-  for (const double value : x) sum += value * value;
-  return std::sqrt(sum);
-}
-
-} // namespace
 
 double Integrator::kinetic_energy(const State& state) const noexcept {
   double energy = 0;

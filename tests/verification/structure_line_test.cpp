@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Cables against exact solutions: the elastic catenary [irvine1981] under refinement, and the natural
-// frequencies of a taut string and a hanging chain.
+// Cables against exact solutions: the elastic catenary [irvine1981] under refinement, a taut cable under a
+// point load, and the natural frequencies of a taut string and a hanging chain.
 #include <gtest/gtest.h>
 
 #include "tests/support/verify.hpp"
@@ -48,6 +48,30 @@ TEST(Cable, CatenaryUnderRefinement) {
   const double tension_order = std::log2((coarse.tension - tension) / (fine.tension - tension));
   verify_between("structure/catenary_40", "sag_order", sag_order, 1.9, 2.1);
   verify_between("structure/catenary_40", "tension_order", tension_order, 1.9, 2.1);
+}
+
+/// Taut cable, S = 10, EA = 1e4, initial tension 10, P = 5 in the middle: sag 0.35542136, T = 35.258268.
+TEST(Cable, TautCableUnderAPointLoad) {
+  const int n = 10;
+  const double natural = 10 / (1 + 10 / 1e4) / n;
+  Settings s;
+  s.cables = {{"line", {1.0, 1e-3, 1e4, 0, StrainMeasure::engineering, true}, natural}};
+  s.supports = {{"first", {true, true, true}, {}}, {"last", {true, true, true}, {}}};
+  s.forces = {{"middle", test::vector("0", "0", "-5")}};
+  const Model model = test::model(s, test::chain(n, {0, 0, 0}, {10, 0, 0}));
+  Integrator integrator(model, {0.0, 10.0, {.displacement_tolerance = 1e-10, .max_iterations = 50}},
+                        rest_state(model));
+  test::settle(integrator, 0.5, 60);
+  const State& state = integrator.committed();
+  verify_relative("structure/taut_cable", "sag", -state.u[3 * (n / 2) + 2], 0.35542136, 1e-4);
+  const auto& batch = std::get<Batch<Line>>(model.batches[0]);
+  Line::Positions x;
+  for (int a = 0; a < 2; ++a)
+    for (int c = 0; c < 3; ++c)
+      x(c, a) = model.mesh.points[static_cast<std::size_t>(3 * a + c)] +
+                state.u[static_cast<std::size_t>(3 * a + c)];
+  verify_relative("structure/taut_cable", "tension", Line::tension(batch.reference[0], batch.material, x),
+                  35.258268, 1e-4);
 }
 
 /// f_n = n / (2 L) sqrt(T / (rho A)), L^2 rho A = 0.392028 kg m.

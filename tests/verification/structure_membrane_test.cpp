@@ -5,6 +5,7 @@
 // pressurised sphere and cylinder, and the frequencies of a drum.
 #include <gtest/gtest.h>
 
+#include "structure_solver/fields.hpp"
 #include "tests/support/verify.hpp"
 #include "tests/verification/structure_shapes.hpp"
 
@@ -25,8 +26,13 @@ State equilibrium(const Model& model, State start, bool follower) {
   return integrator.committed();
 }
 
-/// Centre deflection of the unit disk; E = t = a = 1, nu = 0.3.
-double deflection(mesh::Mesh mesh, double q, bool follower) {
+/// At the centre of the disk.
+struct Centre {
+  double deflection = 0, stress = 0;
+};
+
+/// The clamped unit disk under q; E = t = a = 1, nu = 0.3.
+Centre load_disk(mesh::Mesh mesh, double q, bool follower) {
   Settings s;
   s.membranes = {{"cloth", {1.0, 1.0, 1.0, 0.3, 0}}};
   s.supports = {{"edge", {true, true, true}, {}}};
@@ -46,7 +52,13 @@ double deflection(mesh::Mesh mesh, double q, bool follower) {
       centre = i;
     }
   }
-  return equilibrium(model, std::move(start), follower).u[3 * centre + 2];
+  const State state = equilibrium(model, std::move(start), follower);
+  const StressFields stress = stress_fields(model, state.u, state.time);
+  return {state.u[3 * centre + 2], 0.5 * (stress.nodal_largest[centre] + stress.nodal_smallest[centre])};
+}
+
+double deflection(mesh::Mesh mesh, double q, bool follower) {
+  return load_disk(std::move(mesh), q, follower).deflection;
 }
 
 struct Row {
@@ -74,6 +86,16 @@ TEST(CircularMembrane, NineNodeQuadrilateralsWithinAThousandth) {
     verify_relative("structure/disk_q9_follower", row.name, deflection(test::quad_disk(8, 6), row.q, true),
                     row.follower, 1e-3);
   }
+}
+
+TEST(CircularMembrane, StressAtTheCentre) {
+  const double q = 1e-2, lateral = 0.019641, follower = 0.020395;
+  verify_relative("structure/disk_t3_lateral", "centre_stress",
+                  load_disk(test::triangle_disk(25), q, false).stress, lateral, 5e-3);
+  verify_relative("structure/disk_t3_follower", "centre_stress",
+                  load_disk(test::triangle_disk(25), q, true).stress, follower, 5e-3);
+  verify_relative("structure/disk_q9_follower", "centre_stress",
+                  load_disk(test::quad_disk(8, 6), q, true).stress, follower, 5e-3);
 }
 
 /// From three meshes, each with half the element size of the one before.
