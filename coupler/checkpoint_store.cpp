@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <google/protobuf/text_format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -165,6 +165,22 @@ Result<Manifest> CheckpointStore::read(std::uint64_t step) const {
   Manifest manifest{m->step(), m->time(), {m->case_file().path(), m->case_file().hash()}, {}};
   for (const auto& input : m->input()) manifest.inputs.push_back({input.path(), input.hash()});
   return manifest;
+}
+
+Result<Manifest> CheckpointStore::newest_whole(const std::optional<std::uint64_t>& wanted) const {
+  std::vector<std::uint64_t> all = steps();
+  const std::string run = root_.parent_path().string();
+  if (all.empty()) return config_error("{} holds no checkpoint", run);
+  if (wanted && std::find(all.begin(), all.end(), *wanted) == all.end())
+    return config_error("{} holds no checkpoint of step {}; there are those of steps {}", run, *wanted,
+                        fmt::join(all, ", "));
+  for (; !all.empty(); all.pop_back()) {
+    if (wanted && all.back() > *wanted) continue;
+    auto manifest = read(all.back());
+    if (manifest) return manifest;
+    spdlog::warn("the checkpoint of step {} is not used: {}", all.back(), manifest.error().message);
+  }
+  return config_error("{} holds no checkpoint that is whole", run);
 }
 
 void CheckpointStore::prune(int keep) const {

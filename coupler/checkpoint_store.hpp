@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,9 @@ class CheckpointStore {
   /// Reads a manifest and compares every file with it. Errors (ErrorKind::config): what is missing, cut short
   /// or altered.
   [[nodiscard]] Result<Manifest> read(std::uint64_t step) const;
+  /// The newest checkpoint that is whole, not after the step `wanted`, whose checkpoint must be there; logs
+  /// why others are not used. Errors (ErrorKind::config): there is none.
+  [[nodiscard]] Result<Manifest> newest_whole(const std::optional<std::uint64_t>& wanted = {}) const;
   /// Removes all but the newest `keep` complete ones, and what was never completed before the newest.
   void prune(int keep) const;
   /// Removes the checkpoints after `step`.

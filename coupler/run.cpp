@@ -11,6 +11,7 @@
 
 #include "coupler/check.hpp"
 #include "coupler/checkpoints.hpp"
+#include "coupler/healing.hpp"
 #include "coupler/inputs.hpp"
 #include "coupler/run_directory.hpp"
 #include "coupler/scheme/step_loop.hpp"
@@ -70,12 +71,6 @@ void summarise(const LoopTotals& totals, Participants& participants, double seco
     memory += fmt::format("{} {:.0f} MB, ", peer->name, peer->peak_memory_mb());
   spdlog::info("peak memory: {}coupler {:.0f} MB", memory, launcher::peak_memory_mb(getpid()));
 }
-
-/// Where a run starts.
-struct Start {
-  std::uint64_t step = 0; ///< done before
-  bool resumed = false;
-};
 
 struct Case {
   const CaseSettings& settings;
@@ -140,8 +135,15 @@ Result<void> launch_and_run(const Case& c) {
                                                    c.settings.steps, how_to_resume(c.directory))};
 }
 
-Result<void> run(const Case& c) {
+Result<void> run(Case c) {
+  Healing healing(c.settings, c.directory);
   auto outcome = launch_and_run(c);
+  while (!outcome) {
+    const auto start = healing.after(outcome.error());
+    if (!start) break;
+    c.start = *start;
+    outcome = launch_and_run(c);
+  }
   if (outcome) {
     spdlog::info("results in {}", c.directory.string());
     return {};
@@ -159,23 +161,6 @@ Result<void> run(const Case& c) {
 void log_into(const fs::path& directory) {
   spdlog::default_logger()->sinks().push_back(
       std::make_shared<spdlog::sinks::basic_file_sink_mt>((directory / "coupler.log").string()));
-}
-
-/// The newest checkpoint that is whole, not after the wanted step.
-Result<Manifest> choose(const fs::path& directory, const std::optional<std::uint64_t>& wanted) {
-  const CheckpointStore store(directory);
-  std::vector<std::uint64_t> steps = store.steps();
-  if (steps.empty()) return config_error("{} holds no checkpoint", directory.string());
-  if (wanted && std::find(steps.begin(), steps.end(), *wanted) == steps.end())
-    return config_error("{} holds no checkpoint of step {}; there are those of steps {}", directory.string(),
-                        *wanted, fmt::join(steps, ", "));
-  for (; !steps.empty(); steps.pop_back()) {
-    if (wanted && steps.back() > *wanted) continue;
-    auto manifest = store.read(steps.back());
-    if (manifest) return manifest;
-    spdlog::warn("the checkpoint of step {} is not used: {}", steps.back(), manifest.error().message);
-  }
-  return config_error("{} holds no checkpoint that is whole", directory.string());
 }
 
 Result<void> accept(const Manifest& manifest, const CaseSettings& settings, bool accept_changes) {
@@ -209,7 +194,7 @@ Result<void> resume_run(const Resume& resume) {
   if (!held) return held.error();
   const fs::path& directory = held->path();
   log_into(directory);
-  const auto manifest = choose(directory, resume.step);
+  const auto manifest = CheckpointStore(directory).newest_whole(resume.step);
   if (!manifest) return manifest.error();
   config::Report report;
   const CaseSettings settings = check_case(manifest->case_file.path, report);

@@ -101,12 +101,23 @@ std::string hash_of(v1::CaseConfig c) {
   c.clear_run_directory();
   c.clear_deadlines();
   c.clear_checkpoints();
+  c.clear_healing();
   c.mutable_time()->clear_steps();
   std::string text;
   google::protobuf::TextFormat::PrintToString(c, &text);
   Hash hash;
   hash.add(text);
   return hash.text();
+}
+
+constexpr int default_restarts = 3;
+
+/// Whether all participants are programs of Drogue's own, known to do the same again after a restart.
+bool all_built_in(const CaseSettings& s) {
+  const auto is = [](const ParticipantSettings& p, const char* program) {
+    return std::filesystem::path(p.command).filename() == program;
+  };
+  return is(s.fluid, "fluid_solver") && is(s.structure, "structure_solver") && is(s.mesh_mover, "mesh_mover");
 }
 
 } // namespace
@@ -133,6 +144,7 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.deadlines = {d.connect(), d.initialize(), d.iterate(), d.other(), d.shutdown()};
   const v1::Checkpoints& k = c.checkpoints();
   s.checkpoints = {k.steps(), k.time(), k.wall_clock(), k.keep()};
+  s.restarts = c.healing().has_restarts() ? c.healing().restarts() : all_built_in(s) ? default_restarts : 0;
   s.hash = hash_of(c);
   if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);
   s.outer_boundary_follows = c.outer_boundary() == v1::FOLLOW_MEAN;

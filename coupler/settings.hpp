@@ -71,6 +71,7 @@ struct CaseSettings {
   projection::Settings projection;
   DeadlineSettings deadlines;
   CheckpointSettings checkpoints;
+  int restarts = 0; ///< after the death or silence of a participant, at most
   config::Expression load_factor;
   bool outer_boundary_follows = true;
   std::array<double, 3> drag_weights{}; ///< cd = weights . F; zero without a reference

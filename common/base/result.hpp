@@ -24,7 +24,7 @@ enum class ErrorKind {
 struct Error {
   ErrorKind kind = ErrorKind::internal;
   std::string message;
-  /// A smaller step may help (only with ErrorKind::numerical).
+  /// A smaller step may help (ErrorKind::numerical), or a new start of the participant (peer).
   bool retryable = false;
 };
 

@@ -41,6 +41,18 @@ ErrorKind kind_of(v1::Error::Code code) {
   }
 }
 
+/// A participant that is gone; `retryable`: a new start may help.
+Error lost(std::string message, bool retryable = true) {
+  return {ErrorKind::peer, std::move(message), retryable};
+}
+
+/// Exit statuses by which a program says that another start would end in the same way: bad config, numerical
+/// failure.
+bool unfit(const Exit& exit) {
+  return exit.status == static_cast<int>(ErrorKind::config) ||
+         exit.status == static_cast<int>(ErrorKind::numerical);
+}
+
 std::string log_tail(const Peer& peer) {
   const auto lines = last_lines(peer.log_file, culprit_log_lines);
   if (lines.empty()) return fmt::format("(its log {} is empty)", peer.log_file.string());
@@ -133,7 +145,7 @@ Result<void> Hub::post(Peer& peer, wire::Message request) {
   peer.asked_at = steady_clock::now();
   if (const auto sent = wire::send(router_, peer.name, request, send_deadline); !sent) {
     DROGUE_TRY(check_alive());
-    return peer_error("{}: {}", peer.name, sent.error().message);
+    return lost(fmt::format("{}: {}", peer.name, sent.error().message));
   }
   return {};
 }
@@ -231,8 +243,9 @@ Result<void> Hub::check_alive() {
     DROGUE_TRY(take_last_words(*peer));
     if (peer->answer) continue;
     if (interrupted()) return Error{ErrorKind::interrupted, "interrupted by a signal"};
-    if (rank_ended) return death(*peer, rank->pid(), "is one of its ranks and ended");
-    return death(*peer, peer->process->pid(), peer->process->poll()->text());
+    if (rank_ended) return death(*peer, rank->pid(), "is one of its ranks and ended", true);
+    const Exit& exit = *peer->process->poll();
+    return death(*peer, peer->process->pid(), exit.text(), !unfit(exit));
   }
   return {};
 }
@@ -256,22 +269,22 @@ Error Hub::refusal(const Peer& peer) const {
   return {kind_of(error.code()),
           fmt::format("{} refused {}: {}", peer.name, request_text(peer.request_body, peer.where),
                       error.message()),
-          error.retryable()};
+          error.retryable() && kind_of(error.code()) == ErrorKind::numerical};
 }
 
-Error Hub::death(const Peer& peer, pid_t pid, const std::string& how) const {
+Error Hub::death(const Peer& peer, pid_t pid, const std::string& how, bool retryable) const {
   const std::string during = peer.state == participant::ProtocolState::connected ? "before it said Hello"
                              : peer.request != 0 ? "during " + request_text(peer.request_body, peer.where)
                                                  : "between two requests";
-  return peer_error("{} (pid {}) {} {}; {}", peer.name, pid, how, during, log_tail(peer));
+  return lost(fmt::format("{} (pid {}) {} {}; {}", peer.name, pid, how, during, log_tail(peer)), retryable);
 }
 
 Error Hub::lateness(const Peer& peer, const std::string& what, Seconds deadline) const {
   const std::string last = peer.beat ? fmt::format("its last sign of life: {} (iteration {})",
                                                    peer.beat->phase(), peer.beat->inner_iteration())
                                      : std::string("it gave no sign of life");
-  return peer_error("{} (pid {}) did not {} within {:g} s; {}; {}", peer.name, peer.process->pid(), what,
-                    deadline.count(), last, log_tail(peer));
+  return lost(fmt::format("{} (pid {}) did not {} within {:g} s; {}; {}", peer.name, peer.process->pid(),
+                          what, deadline.count(), last, log_tail(peer)));
 }
 
 void Hub::close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& body) {
@@ -296,8 +309,8 @@ Result<void> Hub::shut_down(Seconds deadline) {
   close_all(deadline, [](v1::Envelope& e) { e.mutable_shutdown(); });
   for (const auto& peer : peers_)
     if (const auto& exit = peer->process->poll(); !exit || !exit->clean())
-      return peer_error("{} {} after Shutdown (deadline {:g} s); {}", peer->name,
-                        exit ? exit->text() : "did not end", deadline.count(), log_tail(*peer));
+      return lost(fmt::format("{} {} after Shutdown (deadline {:g} s); {}", peer->name,
+                              exit ? exit->text() : "did not end", deadline.count(), log_tail(*peer)));
   return {};
 }
 

@@ -43,7 +43,8 @@ struct Peer {
 };
 
 /// The coupler's socket and its participants: starts them, sends requests, and waits for answers while
-/// watching every process. Whatever goes wrong first is the error, and it names the culprit.
+/// watching every process. Whatever goes wrong first is the error, and it names the culprit; it is retryable
+/// when a participant died or fell silent, so that a new start may help.
 class Hub {
  public:
   /// Binds the socket. @param run_id identity of the run; messages of another run are refused
@@ -83,7 +84,7 @@ class Hub {
   [[nodiscard]] Result<void> check_alive();
   [[nodiscard]] Result<void> take_last_words(Peer& peer);
   [[nodiscard]] Error refusal(const Peer& peer) const;
-  [[nodiscard]] Error death(const Peer& peer, pid_t pid, const std::string& how) const;
+  [[nodiscard]] Error death(const Peer& peer, pid_t pid, const std::string& how, bool retryable) const;
   [[nodiscard]] Error lateness(const Peer& peer, const std::string& what, Seconds deadline) const;
   void close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& body);
 

@@ -9,6 +9,7 @@
 
 #include "coupler/launcher/process.hpp"
 #include "tests/support/coupled_case.hpp"
+#include "tests/support/processes.hpp"
 
 namespace drogue::test {
 namespace {
@@ -37,17 +38,6 @@ pid_t pid_of(const std::string& role, const std::filesystem::path& folder) {
     std::this_thread::sleep_for(10ms);
   }
   return -1;
-}
-
-/// Processes that still belong to the run in `folder`: their working directory lies in it.
-int left_behind(const std::filesystem::path& folder) {
-  int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    std::error_code failure;
-    const auto cwd = std::filesystem::read_symlink(entry.path() / "cwd", failure);
-    if (!failure && cwd.string().rfind((folder / "run").string(), 0) == 0) ++count;
-  }
-  return count;
 }
 
 class Kill : public testing::TestWithParam<const char*> {};
