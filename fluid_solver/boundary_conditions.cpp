@@ -23,6 +23,26 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// A plane flow has no third components.
+void check_plane(const Settings& settings, config::Report& report) {
+  const auto check = [&](const std::string& path, const config::VectorExpression& value) {
+    if (!value[2].is_zero())
+      report.error(settings.source.where(path + ".z"),
+                   "the mesh is two-dimensional: a component along z has no meaning; leave z out");
+  };
+  check("initial_velocity", settings.initial_velocity);
+  check("body_force", settings.body_force);
+  for (std::size_t i = 0; i < settings.boundaries.size(); ++i) {
+    const Condition condition = settings.boundaries[i].condition;
+    if (condition == Condition::velocity || condition == Condition::traction)
+      check(fmt::format("boundary[{}].{}", i, condition == Condition::velocity ? "velocity" : "traction"),
+            settings.boundaries[i].value);
+  }
+  for (std::size_t i = 0; i < settings.phases.size(); ++i)
+    if (const auto& moved = settings.phases[i].mesh_displacement)
+      check(fmt::format("phase[{}].mesh_displacement", i), *moved);
+}
+
 } // namespace
 
 void check_against_mesh(const Settings& settings, const FluidMesh& mesh, config::Report& report) {
@@ -39,6 +59,7 @@ void check_against_mesh(const Settings& settings, const FluidMesh& mesh, config:
   for (std::size_t i = 0; i < settings.forces.size(); ++i)
     for (std::size_t k = 0; k < settings.forces[i].boundaries.size(); ++k)
       check(fmt::format("force[{}].boundary[{}]", i, k), settings.forces[i].boundaries[k]);
+  if (mesh.dimension == 2) check_plane(settings, report);
   for (const std::string& name : mesh.boundaries)
     if (find(settings, name) == nullptr)
       report.error(
@@ -57,6 +78,8 @@ std::vector<std::int32_t> boundary_indices(const FluidMesh& mesh, std::span<cons
 
 VelocityConstraints::VelocityConstraints(const Settings& settings, const FluidMesh& mesh)
     : boundaries_(settings.boundaries), fixed_(3 * at(mesh.node_count()), 0) {
+  if (mesh.dimension == 2) // no velocity out of the plane
+    for (std::size_t i = 2; i < fixed_.size(); i += 3) fixed_[i] = 1;
   std::vector<std::int32_t> condition_of(mesh.boundaries.size(), 0);
   for (std::size_t k = 0; k < mesh.boundaries.size(); ++k)
     condition_of[k] =
@@ -67,7 +90,7 @@ VelocityConstraints::VelocityConstraints(const Settings& settings, const FluidMe
       const std::int32_t index = condition_of[at(face.boundary)];
       const BoundarySettings& b = boundaries_[at(index)];
       if (b.condition != pass) continue;
-      for (const std::int32_t node : face.nodes)
+      for (const std::int32_t node : face.nodes())
         for (int d = 0; d < 3; ++d)
           if (pass == Condition::velocity || b.components[static_cast<std::size_t>(d)]) add(node, d, index);
       const auto area = area_vector(face, mesh.points);
@@ -83,7 +106,7 @@ VelocityConstraints::VelocityConstraints(const Settings& settings, const FluidMe
   slip_ = SlipWalls(slip, fixed_, mesh.points, settings.slip_feature_angle);
   for (const BoundaryFace& face : mesh.faces)
     if (boundaries_[at(condition_of[at(face.boundary)])].is_open())
-      open_nodes_.insert(open_nodes_.end(), face.nodes.begin(), face.nodes.end());
+      open_nodes_.insert(open_nodes_.end(), face.nodes().begin(), face.nodes().end());
   std::sort(open_nodes_.begin(), open_nodes_.end());
   open_nodes_.erase(std::unique(open_nodes_.begin(), open_nodes_.end()), open_nodes_.end());
   if (!open && open_nodes_.empty()) pinned_ = mesh.from_file[0];

@@ -45,7 +45,8 @@ Result<void> CoupledFlow::execute(const Order& order) {
     return initialize();
   case Order::Kind::begin_step:
     run_.solver().set_clock(order.numbers[0], static_cast<std::uint64_t>(order.numbers[2]) - 1);
-    return run_.solver().begin_step(Formulation::dsd_sst, order.numbers[1]);
+    return run_.solver().begin_step({Formulation::dsd_sst, 1, input_.settings.phases.front().time_points},
+                                    order.numbers[1]);
   case Order::Kind::iterate:
     return iterate(order.numbers);
   case Order::Kind::commit: {

@@ -14,15 +14,16 @@ namespace drogue::fluid {
 
 /// The elements that touch a rank's own nodes, in batches of eight, with the places of their contributions.
 /// Elements on the border between ranks are computed by each of them, so that no sum depends on the order of
-/// messages.
+/// messages. m: nodes of an element.
 struct LocalElements {
   LocalElements(const FluidMesh& mesh, const la::RowRange& own, const la::LocalPattern& pattern);
 
+  int dimension = 3;
   std::int32_t batches = 0;
   std::vector<std::int32_t>
-      node;                      ///< {batches, 8, 4} nodes; the last batch is filled up with its last element
-  std::vector<std::int32_t> row; ///< {batches, 8, 4} own row, or -1
-  std::vector<std::int32_t> entry; ///< {batches, 8, 16} position in the pattern, or -1
+      node;                      ///< {batches, 8, m} nodes; the last batch is filled up with its last element
+  std::vector<std::int32_t> row; ///< {batches, 8, m} own row, or -1
+  std::vector<std::int32_t> entry; ///< {batches, 8, m * m} position in the pattern, or -1
 };
 
 /// Adds all element contributions to `residual` (own rows, {rows, unknowns}) and, unless null, to `jacobian`,

@@ -20,7 +20,7 @@ struct ElementState {
 };
 [[nodiscard]] ElementState element_state(const Settings& settings, const FluidMesh& mesh,
                                          std::span<const double> x, std::span<const double> u,
-                                         std::int32_t tet);
+                                         std::int32_t cell);
 
 /// Traction of the fluid on the wall behind a face, force per area [stress / density]: pressure part p n and
 /// viscous part -2 nu S n, n out of the fluid; p the mean of the face.
@@ -42,7 +42,7 @@ struct NodalFields {
 [[nodiscard]] NodalFields nodal_fields(const Settings& settings, const FluidMesh& mesh,
                                        std::span<const double> x, std::span<const double> u);
 
-/// Largest |u| dt / h over the elements, h the edge of the regular tetrahedron of equal volume.
+/// Largest |u| dt / h over the elements, h the edge of the regular tetrahedron (triangle) of equal volume.
 [[nodiscard]] double largest_cfl(const FluidMesh& mesh, std::span<const double> x, std::span<const double> u,
                                  double dt);
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid_solver/time_difference.hpp"
+
 namespace drogue::fluid {
 namespace {
 
@@ -26,14 +28,15 @@ double largest_norm(std::span<const double> values, std::size_t stride) {
 /// A lagged Jacobian is evaluated anew when an iteration leaves more than this part of the residual.
 constexpr double slow_reduction = 0.3;
 
+bool uses_two_steps(const Settings& settings) {
+  return std::any_of(settings.phases.begin(), settings.phases.end(), [](const PhaseSettings& phase) {
+    return phase.formulation == Formulation::semi_discrete && phase.time_order == 2;
+  });
+}
+
 double total_volume(const FluidMesh& mesh) {
-  double sum = 0; // divergence theorem: V = 1/3 int x . n
-  for (const BoundaryFace& face : mesh.faces) {
-    const auto a = area_vector(face, mesh.points);
-    for (std::size_t d = 0; d < 3; ++d)
-      for (const std::int32_t node : face.nodes)
-        sum += mesh.points[3 * static_cast<std::size_t>(node) + d] * a[d] / 9;
-  }
+  double sum = 0;
+  for (std::int32_t e = 0; e < mesh.cell_count(); ++e) sum += cell_geometry(mesh, mesh.points, e).volume;
   return sum;
 }
 
@@ -60,6 +63,10 @@ io::State FlowSolver::export_state() const {
   file.add("kinematic_pressure", {n}, mesh_.reordered_to_file(state_.p, 1));
   file.add("wall_velocity", {n, 3}, mesh_.reordered_to_file(state_.wall_velocity, 3));
   file.add("position", {n, 3}, mesh_.reordered_to_file(state_.x, 3));
+  if (uses_two_steps(settings_) && !state_.u_before.empty()) {
+    file.add("velocity_before", {n, 3}, mesh_.reordered_to_file(state_.u_before, 3));
+    file.add("step_before", {1}, {state_.step_before});
+  }
   return file;
 }
 
@@ -68,7 +75,11 @@ Result<void> FlowSolver::import_state(const io::State& file) {
   if (file.mesh_hash != mesh_.hash)
     return config_error("the state lives on another mesh (hash {}, this mesh {}): make it anew on this mesh",
                         file.mesh_hash, mesh_.hash);
-  FlowState s{file.time, file.step, {}, {}, mesh_.points, std::vector<double>(mesh_.points.size(), 0.0)};
+  FlowState s;
+  s.time = file.time;
+  s.step = file.step;
+  s.x = mesh_.points;
+  s.wall_velocity.assign(mesh_.points.size(), 0.0);
   const auto n = static_cast<std::size_t>(mesh_.node_count());
   const auto read = [&](const char* name, int components, std::vector<double>& to) -> Result<bool> {
     const io::StateArray* array = file.find(name);
@@ -89,15 +100,20 @@ Result<void> FlowSolver::import_state(const io::State& file) {
     if (!physical) return physical.error();
     for (double& value : s.p) value /= settings_.density;
   }
+  const auto before = read("velocity_before", 3, s.u_before);
+  if (!before) return before.error();
+  if (const io::StateArray* step = file.find("step_before"); step != nullptr && step->values.size() == 1)
+    s.step_before = step->values[0];
+  if (!(s.step_before > 0)) s.u_before.clear();
   if (s.u.empty() || s.p.empty()) return config_error("the state has no velocity or no pressure");
   state_ = std::move(s);
   return {};
 }
 
-Result<void> FlowSolver::begin_step(Formulation formulation, double dt) {
-  auto& system = systems_[formulation == Formulation::dsd_sst ? 1 : 0];
+Result<void> FlowSolver::begin_step(const StepScheme& scheme, double dt) {
+  auto& system = systems_[scheme.formulation == Formulation::dsd_sst ? 1 : 0];
   if (!system) {
-    auto made = make_flow_system(formulation, settings_, mesh_, constraints_);
+    auto made = make_flow_system(scheme.formulation, settings_, mesh_, constraints_);
     if (!made) return made.error();
     system = std::move(*made);
   }
@@ -106,6 +122,8 @@ Result<void> FlowSolver::begin_step(Formulation formulation, double dt) {
   data_.dt = dt;
   data_.x_n = data_.x_np1 = state_.x;
   data_.u_n = state_.u;
+  data_.time_points = scheme.time_points;
+  if (scheme.formulation == Formulation::semi_discrete) set_time_difference(scheme.time_order);
   data_.wall_n = data_.wall_np1 = state_.wall_velocity;
   data_.f_n = at_nodes(settings_.body_force, state_.x, state_.time);
   data_.f_np1 = at_nodes(settings_.body_force, state_.x, state_.time + dt);
@@ -133,6 +151,15 @@ Result<void> FlowSolver::set_end(std::span<const double> x_np1, std::span<const 
   return {};
 }
 
+void FlowSolver::set_time_difference(int order) {
+  const bool second = order == 2 && !state_.u_before.empty();
+  const TimeDifference d = second ? two_step(data_.dt, state_.step_before) : backward_euler(data_.dt);
+  data_.rate = d.rate;
+  data_.history.resize(state_.u.size());
+  for (std::size_t i = 0; i < state_.u.size(); ++i)
+    data_.history[i] = d.at_n * state_.u[i] + (second ? d.before * state_.u_before[i] : 0.0);
+}
+
 void FlowSolver::apply_constraints() {
   const auto n = static_cast<std::size_t>(active_->unknowns());
   const double t_np1 = data_.t_n + data_.dt;
@@ -144,13 +171,14 @@ void FlowSolver::apply_constraints() {
 /// make.
 void FlowSolver::set_scale() {
   const auto n = static_cast<std::size_t>(active_->unknowns());
-  const double h = std::cbrt(total_volume(mesh_) / mesh_.tet_count());
+  const double h = std::pow(total_volume(mesh_) / mesh_.cell_count(), 1.0 / mesh_.dimension);
   double speed = std::max(largest_norm(data_.unknowns, n), largest_norm(data_.u_n, 3));
   if (n == 8) speed = std::max(speed, largest_norm(std::span(data_.unknowns).subspan(4), n));
   if (speed == 0) speed = largest_norm(data_.f_np1, 3) * data_.dt;
   if (speed == 0) speed = h / data_.dt;
   active_->begin_step(data_.dt, speed);
-  residual_floor_ = 1e-12 * speed * speed * h * h * std::sqrt(mesh_.node_count()) * (n == 8 ? data_.dt : 1.0);
+  residual_floor_ = 1e-12 * speed * speed * std::pow(h, mesh_.dimension - 1) * std::sqrt(mesh_.node_count()) *
+                    (n == 8 ? data_.dt : 1.0);
 }
 
 Result<double> FlowSolver::evaluate(bool jacobian) {
@@ -201,6 +229,8 @@ Result<NewtonReport> FlowSolver::finish() {
 }
 
 void FlowSolver::commit() {
+  state_.u_before = std::move(state_.u);
+  state_.step_before = data_.dt;
   state_.u = velocity_np1();
   state_.p = pressure_np1();
   state_.x = data_.x_np1;

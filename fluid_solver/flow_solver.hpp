@@ -25,6 +25,16 @@ struct FlowState {
   std::vector<double> p;             ///< {n} kinematic pressure
   std::vector<double> x;             ///< {n, 3} positions
   std::vector<double> wall_velocity; ///< {n, 3} velocity of the walls; zero elsewhere
+  std::vector<double> u_before;      ///< {n, 3} velocity a step before; empty: not known
+  double step_before = 0;            ///< length of that step
+};
+
+/// How a step is taken. Semi-discrete of order 2 takes the first step, and any whose forerunner is not known,
+/// with order 1.
+struct StepScheme {
+  Formulation formulation = Formulation::dsd_sst;
+  int time_order = 1;  ///< of semi_discrete
+  int time_points = 2; ///< quadrature points of dsd_sst in time
 };
 
 /// Newton iterations of one call, or summed over a step.
@@ -61,7 +71,7 @@ class FlowSolver {
     state_.step = step;
   }
 
-  [[nodiscard]] Result<void> begin_step(Formulation formulation, double dt);
+  [[nodiscard]] Result<void> begin_step(const StepScheme& scheme, double dt);
   /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at walls. Not called:
   /// mesh and walls stay at rest. Errors (retryable): an inverted element.
   [[nodiscard]] Result<void> set_end(std::span<const double> x_np1, std::span<const double> wall_n,
@@ -87,6 +97,7 @@ class FlowSolver {
   [[nodiscard]] Result<double> evaluate(bool jacobian);
   void apply_constraints();
   void set_scale();
+  void set_time_difference(int order);
 
   const Settings& settings_;
   const FluidMesh& mesh_;

@@ -8,10 +8,10 @@
 #include "common/la_krylov/ghost_exchange.hpp"
 #include "common/la_krylov/poisson_amg.hpp"
 #include "common/la_krylov/session.hpp"
+#include "fluid_solver/direct_solution.hpp"
 #include "fluid_solver/element_loop.hpp"
 #include "fluid_solver/open_boundary.hpp"
 #include "fluid_solver/slip_projection.hpp"
-#include "fluid_solver/tet_geometry.hpp"
 #include "fluid_solver/time_matrix.hpp"
 
 namespace drogue::fluid {
@@ -26,14 +26,12 @@ std::size_t at(std::int32_t i) {
 std::vector<double> laplacian(const FluidMesh& mesh, const VelocityConstraints& constraints,
                               const la::RowRange& own, const la::LocalPattern& pattern) {
   std::vector<double> values(pattern.column.size(), 0.0);
-  for (std::size_t e = 0; e < mesh.tets.size(); e += 4) {
-    const std::int32_t* t = mesh.tets.data() + e;
-    double x[4][3];
-    for (int a = 0; a < 4; ++a) std::copy_n(mesh.points.data() + 3 * at(t[a]), 3, x[a]);
-    const TetGeometry<double> geometry = tet_geometry(x);
-    for (int a = 0; a < 4; ++a) {
+  for (std::int32_t e = 0; e < mesh.cell_count(); ++e) {
+    const auto t = mesh.cell(e);
+    const CellGeometry geometry = cell_geometry(mesh, mesh.points, e);
+    for (std::size_t a = 0; a < t.size(); ++a) {
       if (!own.has(t[a])) continue;
-      for (int b = 0; b < 4; ++b) {
+      for (std::size_t b = 0; b < t.size(); ++b) {
         const double* ga = geometry.gradient[a];
         const double* gb = geometry.gradient[b];
         values[at(pattern.find(t[a] - own.first, pattern.local(own, t[b])))] +=
@@ -47,6 +45,13 @@ std::vector<double> laplacian(const FluidMesh& mesh, const VelocityConstraints& 
   for (const std::int32_t node : constraints.open_nodes()) hold(node);
   if (constraints.pinned_node() >= 0) hold(constraints.pinned_node());
   return values;
+}
+
+/// Sizes up to which a factorisation is quicker than the Krylov method, or as quick and more robust.
+bool choose_direct(const Settings& settings, const FluidMesh& mesh, std::size_t equations) {
+  if (settings.linear_method != LinearMethod::automatic)
+    return settings.linear_method == LinearMethod::direct;
+  return la::rank_count() == 1 && equations <= (mesh.dimension == 2 ? 400000U : 10000U);
 }
 
 template <int n>
@@ -64,7 +69,6 @@ class BlockFlowSystem final : public FlowSystem {
         open_(settings, mesh, own_, pattern_),
         slip_(constraints.slip_nodes(), own_, pattern_),
         matrix_(pattern_),
-        ilu_(pattern_),
         residual_(rows() * n),
         rhs_(rows() * n),
         solution_(rows() * n),
@@ -82,9 +86,19 @@ class BlockFlowSystem final : public FlowSystem {
 
   /// @note Collective
   [[nodiscard]] Result<void> set_up(const FluidMesh& mesh, const VelocityConstraints& constraints) {
+    if (settings_.linear_method == LinearMethod::direct && la::rank_count() > 1)
+      return config_error("linear.method DIRECT works on one rank, here are {}: use KRYLOV",
+                          la::rank_count());
+    if (choose_direct(settings_, mesh, rows() * (at(mesh.dimension) + 1) * levels)) {
+      std::vector<char> held(rows() * n, 0);
+      for (const Fixed& f : fixed_) held[at(f.row) * n + at(f.component)] = 1;
+      direct_.emplace(pattern_, held);
+      return {};
+    }
     auto amg = la::PoissonAmg::create(pattern_, own_, laplacian(mesh, constraints, own_, pattern_));
     if (!amg) return amg.error();
     amg_.emplace(std::move(*amg));
+    ilu_.emplace(pattern_);
     auto krylov = la::KrylovSolver::create(
         own_.size() * n, [this](auto in, auto out) { multiply(in, out); },
         [this](auto in, auto out) { precondition(in, out); }, settings_.linear);
@@ -102,7 +116,8 @@ class BlockFlowSystem final : public FlowSystem {
       std::fill_n(scale_.begin() + static_cast<std::ptrdiff_t>(4 * q), 3, 1.0);
       scale_[4 * q + 3] = reference_speed;
     }
-    parameters_ = {dt, settings_.kinematic_viscosity(), settings_.smagorinsky, settings_.lsic};
+    parameters_ = {dt, settings_.kinematic_viscosity(), settings_.smagorinsky, settings_.lsic,
+                   settings_.tau_step.value_or(dt)};
     const double u2 = reference_speed * reference_speed;
     schur_inverse_ =
         levels == 2 ? (1 / u2) * inverse(slab_schur_matrix(dt)) : Matrix2{1 / (dt * u2), 0, 0, 0};
@@ -118,10 +133,7 @@ class BlockFlowSystem final : public FlowSystem {
     slip_.set(data);
     slip_.apply(rhs_);
     for (const Fixed& f : fixed_) rhs_[at(f.row) * n + at(f.component)] = 0;
-    if (jacobian)
-      if (const auto singular = la::on_every_rank(factor()); !singular)
-        return retryable_error(
-            "the flow Jacobian has a singular pivot block: the mesh or the state is unusable");
+    if (jacobian) DROGUE_TRY(factor());
     double square = 0;
     for (const double value : rhs_) square += value * value;
     const double norm = std::sqrt(la::sum_over_ranks(square));
@@ -130,10 +142,8 @@ class BlockFlowSystem final : public FlowSystem {
   }
 
   [[nodiscard]] Result<la::Outcome> solve_and_add(std::span<double> unknowns) override {
-    amg_failed_ = false;
-    auto outcome = krylov_->solve(rhs_, solution_);
+    auto outcome = direct_ ? solve_directly() : solve_by_krylov();
     if (!outcome) return outcome.error();
-    if (!la::on_every_rank(!amg_failed_)) return internal_error("the pressure preconditioner failed");
     slip_.apply(solution_);
     la::gather_to_all(ranges_, n, solution_, all_);
     for (std::size_t i = 0; i < unknowns.size(); ++i) unknowns[i] += scale_[i % n] * all_[i];
@@ -148,10 +158,32 @@ class BlockFlowSystem final : public FlowSystem {
 
   [[nodiscard]] std::size_t rows() const { return at(pattern_.rows); }
 
-  bool factor() {
+  [[nodiscard]] Result<void> factor() {
     slip_.apply(matrix_);
     for (const Fixed& f : fixed_) matrix_.set_identity_row(f.row, f.component);
-    return !ilu_.factor(matrix_).has_value();
+    bool regular = false;
+    if (direct_) {
+      const auto factored = direct_->factor(matrix_);
+      if (!factored) return factored.error();
+      regular = *factored;
+    } else {
+      regular = la::on_every_rank(!ilu_->factor(matrix_).has_value());
+    }
+    if (!regular) return retryable_error("the flow Jacobian is singular: the mesh or the state is unusable");
+    return {};
+  }
+
+  [[nodiscard]] Result<la::Outcome> solve_directly() {
+    DROGUE_TRY(direct_->solve(rhs_, solution_));
+    return la::Outcome{true, 1, 0};
+  }
+
+  [[nodiscard]] Result<la::Outcome> solve_by_krylov() {
+    amg_failed_ = false;
+    auto outcome = krylov_->solve(rhs_, solution_);
+    if (!outcome) return outcome.error();
+    if (!la::on_every_rank(!amg_failed_)) return internal_error("the pressure preconditioner failed");
+    return outcome;
   }
 
   void exchange(std::span<const double> in) {
@@ -166,7 +198,7 @@ class BlockFlowSystem final : public FlowSystem {
 
   void precondition(std::span<const double> r, std::span<double> z) {
     // 1. node blocks
-    ilu_.apply(r.data(), z.data());
+    ilu_->apply(r.data(), z.data());
     // 2. what is left of the pressure rows
     exchange(z);
     matrix_.fourth_row_defect(r.data(), local_.data(), defect_.data());
@@ -194,7 +226,8 @@ class BlockFlowSystem final : public FlowSystem {
   OpenBoundary open_;
   SlipProjection<n> slip_;
   la::BlockMatrix<n> matrix_;
-  la::BlockIlu<n> ilu_;
+  std::optional<DirectSolution<n>> direct_; ///< this, or the three after it
+  std::optional<la::BlockIlu<n>> ilu_;
   std::optional<la::PoissonAmg> amg_;
   std::optional<la::KrylovSolver> krylov_;
   FlowParameters parameters_;

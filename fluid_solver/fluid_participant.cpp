@@ -74,7 +74,7 @@ Result<participant::InterfaceMesh> FluidParticipant::initialize() {
   const auto boundaries = boundary_indices(mesh, input_.settings.interface);
   for (const BoundaryFace& face : mesh.faces) {
     if (std::find(boundaries.begin(), boundaries.end(), face.boundary) == boundaries.end()) continue;
-    for (const std::int32_t node : face.nodes)
+    for (const std::int32_t node : face.nodes())
       m.triangles.push_back(std::lower_bound(nodes.begin(), nodes.end(), mesh.to_file[at(node)]) -
                             nodes.begin());
   }

@@ -4,26 +4,28 @@
 #include <algorithm>
 
 #include "common/la_krylov/session.hpp"
+#include "fluid_solver/face_rule.hpp"
 #include "fluid_solver/flow_fields.hpp"
 
 namespace drogue::fluid {
 namespace {
 
-/// Adds int (x - about) x t over a face, t = p n + viscous traction [stress / density]. By the middles of the
-/// sides: degree 2, as x p is.
+/// Adds int (x - about) x t over a face, t = p n + viscous traction [stress / density]; x p is of degree 2.
 void add_moment(const FaceTraction& t, const BoundaryFace& face, std::span<const double> x,
                 std::span<const double> p, const ForceSettings& report, double density,
                 std::array<double, 3>& moment) {
   const auto normal = area_vector(face, x);
-  for (std::size_t side = 0; side < 3; ++side) {
-    const auto a = static_cast<std::size_t>(face.nodes[side]);
-    const auto b = static_cast<std::size_t>(face.nodes[(side + 1) % 3]);
-    double arm[3];
-    double force[3];
-    for (std::size_t d = 0; d < 3; ++d) {
-      arm[d] = 0.5 * (x[3 * a + d] + x[3 * b + d]) - report.moment_about[d];
-      force[d] = density / 3 * (0.5 * (p[a] + p[b]) * normal[d] + t.area * t.viscous[d]);
+  for (const auto& [N, share] : face_rule(face.corners)) {
+    double arm[3] = {-report.moment_about[0], -report.moment_about[1], -report.moment_about[2]};
+    double p_point = 0;
+    for (std::size_t a = 0; a < face.corners; ++a) {
+      const auto node = static_cast<std::size_t>(face.corner[a]);
+      p_point += N[a] * p[node];
+      for (std::size_t d = 0; d < 3; ++d) arm[d] += N[a] * x[3 * node + d];
     }
+    double force[3];
+    for (std::size_t d = 0; d < 3; ++d)
+      force[d] = density * share * (p_point * normal[d] + t.area * t.viscous[d]);
     for (std::size_t d = 0; d < 3; ++d)
       moment[d] += arm[(d + 1) % 3] * force[(d + 2) % 3] - arm[(d + 2) % 3] * force[(d + 1) % 3];
   }

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fluid_solver/space_time_element.hpp"
+#include "fluid_solver/face_rule.hpp"
+#include "fluid_solver/slab_rule.hpp"
 
 namespace drogue::fluid {
 namespace {
@@ -12,9 +13,6 @@ namespace {
 std::size_t at(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
-
-/// Mid-side points: degree 2.
-constexpr double points[3][3] = {{0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}};
 
 } // namespace
 
@@ -33,13 +31,13 @@ OpenBoundary::OpenBoundary(const Settings& settings, const FluidMesh& mesh, cons
     });
     if (!found->is_open()) continue;
     if (found->condition == Condition::traction_free && found->backflow == 0) continue;
-    if (std::none_of(face.nodes.begin(), face.nodes.end(), [&](std::int32_t i) { return own.has(i); }))
-      continue;
+    const auto nodes = face.nodes();
+    if (std::none_of(nodes.begin(), nodes.end(), [&](std::int32_t i) { return own.has(i); })) continue;
     Face f{face, static_cast<std::int32_t>(found - boundaries_.begin()), {}, {}};
-    for (std::size_t a = 0; a < 3; ++a) {
-      f.row[a] = own.has(face.nodes[a]) ? face.nodes[a] - own.first : -1;
-      for (std::size_t b = 0; b < 3; ++b)
-        f.entry[a][b] = f.row[a] < 0 ? -1 : pattern.find(f.row[a], pattern.local(own, face.nodes[b]));
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      f.row[a] = own.has(nodes[a]) ? nodes[a] - own.first : -1;
+      for (std::size_t b = 0; b < nodes.size(); ++b)
+        f.entry[a][b] = f.row[a] < 0 ? -1 : pattern.find(f.row[a], pattern.local(own, nodes[b]));
     }
     faces_.push_back(f);
   }
@@ -49,11 +47,12 @@ OpenBoundary::Terms OpenBoundary::evaluate(const Face& face, const StepData& dat
                                            double theta) const {
   // 1. nodal values at the instant
   const BoundarySettings& b = boundaries_[at(face.boundary)];
-  double x[9];
-  double u[3][3];
-  double relative[3][3];
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::size_t node = at(face.face.nodes[a]);
+  const auto nodes = face.face.nodes();
+  double x[9] = {};
+  double u[3][3] = {};
+  double relative[3][3] = {};
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    const std::size_t node = at(nodes[a]);
     const double* w = data.unknowns.data() + unknowns * node;
     for (std::size_t d = 0; d < 3; ++d) {
       const double x0 = data.x_n[3 * node + d];
@@ -63,11 +62,11 @@ OpenBoundary::Terms OpenBoundary::evaluate(const Face& face, const StepData& dat
       relative[a][d] = u[a][d] - (x1 - x0) / data.dt;
     }
   }
-  const auto area = area_vector({{0, 1, 2}, 0, 0}, x);
+  const auto area = area_vector({{0, 1, 2}, nodes.size(), 0, 0}, x);
   const double t = data.t_n + theta * data.dt;
   // 2. quadrature; area carries the normal
   Terms terms;
-  for (const auto& N : points) {
+  for (const auto& [N, share] : face_rule(nodes.size())) {
     double p[3];
     double uq[3];
     double flux = 0;
@@ -76,8 +75,8 @@ OpenBoundary::Terms OpenBoundary::evaluate(const Face& face, const StepData& dat
       uq[d] = N[0] * u[0][d] + N[1] * u[1][d] + N[2] * u[2][d];
       flux += area[d] * (N[0] * relative[0][d] + N[1] * relative[1][d] + N[2] * relative[2][d]);
     }
-    const double inflow = b.backflow / 3 * std::min(flux, 0.0);
-    const double traction_weight = std::hypot(area[0], area[1], area[2]) / (3 * density_);
+    const double inflow = b.backflow * share * std::min(flux, 0.0);
+    const double traction_weight = std::hypot(area[0], area[1], area[2]) * share / density_;
     for (std::size_t i = 0; i < 3; ++i) {
       const double traction = b.condition == Condition::traction ? b.value[i](p[0], p[1], p[2], t) : 0.0;
       for (int a = 0; a < 3; ++a) terms.force[a][i] -= N[a] * (traction_weight * traction + inflow * uq[i]);
@@ -88,29 +87,31 @@ OpenBoundary::Terms OpenBoundary::evaluate(const Face& face, const StepData& dat
         for (std::size_t i = 0; i < 3; ++i) {
           terms.tangent[a][c][i][i] -= N[a] * N[c] * inflow;
           for (std::size_t j = 0; j < 3; ++j)
-            terms.tangent[a][c][i][j] -= N[a] * N[c] * b.backflow / 3 * uq[i] * area[j];
+            terms.tangent[a][c][i][j] -= N[a] * N[c] * b.backflow * share * uq[i] * area[j];
         }
   }
   return terms;
 }
 
-template <int n>
-void OpenBoundary::add(const StepData& data, std::span<const double, n> scale, std::span<double> residual,
-                       la::BlockMatrix<n>* jacobian) const {
+template <int n, int points>
+void OpenBoundary::add_with(const StepData& data, std::span<const double, n> scale,
+                            std::span<double> residual, la::BlockMatrix<n>* jacobian) const {
   constexpr int levels = n / 4;
+  constexpr SlabRule<points> slab;
   for (const Face& face : faces_)
-    for (int point = 0; point < levels; ++point) {
-      const double theta = levels == 2 ? slab_points[point] : 1.0;
+    for (int point = 0; point < points; ++point) {
+      const double theta = slab.theta[point];
       const double T[2] = {levels == 2 ? 1 - theta : 1.0, theta};
-      const double weight = levels == 2 ? 0.5 * data.dt : 1.0;
+      const double weight = slab.weight[point] * (levels == 2 ? data.dt : 1.0);
       const Terms terms = evaluate(face, data, n, theta);
-      for (int a = 0; a < 3; ++a) {
+      const int nodes = static_cast<int>(face.face.corners);
+      for (int a = 0; a < nodes; ++a) {
         if (face.row[a] < 0) continue;
         for (int al = 0; al < levels; ++al)
           for (int i = 0; i < 3; ++i)
             residual[at(face.row[a]) * n + at(4 * al + i)] += weight * T[al] * terms.force[a][i];
         if (jacobian == nullptr) continue;
-        for (int c = 0; c < 3; ++c) {
+        for (int c = 0; c < nodes; ++c) {
           float* block = jacobian->block(face.entry[a][c]);
           for (int be = 0; be < levels; ++be)
             for (int al = 0; al < levels; ++al)
@@ -122,6 +123,17 @@ void OpenBoundary::add(const StepData& data, std::span<const double, n> scale, s
         }
       }
     }
+}
+
+template <int n>
+void OpenBoundary::add(const StepData& data, std::span<const double, n> scale, std::span<double> residual,
+                       la::BlockMatrix<n>* jacobian) const {
+  if constexpr (n == 4)
+    add_with<n, 1>(data, scale, residual, jacobian);
+  else if (data.time_points == 2)
+    add_with<n, 2>(data, scale, residual, jacobian);
+  else
+    add_with<n, 3>(data, scale, residual, jacobian);
 }
 
 template void OpenBoundary::add<4>(const StepData&, std::span<const double, 4>, std::span<double>,

@@ -10,10 +10,10 @@
 #include "fluid_solver/settings.hpp"
 #include "fluid_solver/step_data.hpp"
 
-/// Terms on boundaries whose traction is given (zero or not):
+/// Terms on boundaries whose traction is given (zero or not); in two dimensions Gamma is made of edges:
 ///   F_a = - int_Gamma N_a t / rho  -  beta int_Gamma N_a min((u - mesh velocity) . n, 0) u
 /// t: prescribed traction [stress]; beta: backflow factor, 1/2 cancels the kinetic energy that inflow through
-/// an open boundary brings in [bazilevs2009]. Three-point quadrature; nothing is held constant in the
+/// an open boundary brings in [bazilevs2009]. Quadrature: face_rule.hpp; nothing is held constant in the
 /// tangent.
 namespace drogue::fluid {
 
@@ -35,6 +35,9 @@ class OpenBoundary {
     std::int32_t entry[3][3] = {}; ///< position in the pattern, or -1
   };
   struct Terms;
+  template <int unknowns, int points>
+  void add_with(const StepData& data, std::span<const double, unknowns> scale, std::span<double> residual,
+                la::BlockMatrix<unknowns>* jacobian) const;
   [[nodiscard]] Terms evaluate(const Face& face, const StepData& data, std::size_t unknowns,
                                double theta) const;
 

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "fluid_solver/tet_geometry.hpp"
-
 namespace drogue::fluid {
 
 Result<Probes> Probes::create(const Settings& settings, const FluidMesh& mesh) {
@@ -13,21 +11,18 @@ Result<Probes> Probes::create(const Settings& settings, const FluidMesh& mesh) {
   for (const ProbeSettings& probe : settings.probes) {
     Place best;
     double best_weight = -std::numeric_limits<double>::infinity(); // smallest barycentric weight
-    for (std::size_t e = 0; e < mesh.tets.size(); e += 4) {
+    for (std::int32_t e = 0; e < mesh.cell_count(); ++e) {
+      const auto nodes = mesh.cell(e);
+      const CellGeometry g = cell_geometry(mesh, mesh.points, e);
       Place place;
-      double x[4][3];
-      for (std::size_t a = 0; a < 4; ++a) {
-        place.nodes[a] = mesh.tets[e + a];
-        std::copy_n(mesh.points.data() + 3 * static_cast<std::size_t>(place.nodes[a]), 3, x[a]);
-      }
-      const TetGeometry<double> g = tet_geometry(x);
-      for (std::size_t a = 0; a < 4; ++a) {
-        place.weight[a] = 0.25;
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        place.nodes[a] = nodes[a]; // N_a = 1 at its own node
+        place.weight[a] = 1;
         for (std::size_t d = 0; d < 3; ++d)
-          place.weight[a] +=
-              g.gradient[a][d] * (probe.position[d] - 0.25 * (x[0][d] + x[1][d] + x[2][d] + x[3][d]));
+          place.weight[a] += g.gradient[a][d] *
+                             (probe.position[d] - mesh.points[3 * static_cast<std::size_t>(nodes[a]) + d]);
       }
-      const double smallest = *std::min_element(place.weight.begin(), place.weight.end());
+      const double smallest = *std::min_element(place.weight.data(), place.weight.data() + nodes.size());
       if (smallest > best_weight) {
         best_weight = smallest;
         best = place;

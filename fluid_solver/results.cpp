@@ -116,7 +116,7 @@ Result<void> Results::write_fields(const FlowState& state, bool force) {
   io::VtuData data;
   data.points = points;
   for (const mesh::ElementBlock& block : mesh_->file.blocks)
-    if (block.kind == mesh::ElementKind::tet4) data.blocks.push_back(&block);
+    if (mesh::dimension(block.kind) == mesh_->dimension) data.blocks.push_back(&block);
   data.point_data = {{"velocity", 3, u},
                      {"pressure", 1, p},
                      {"vorticity", 3, vorticity},

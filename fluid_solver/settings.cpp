@@ -98,6 +98,8 @@ void load_phases(const v1::FluidConfig& m, Settings& s, config::Report& report) 
         p.formulation() == v1::FluidPhase::DSD_SST ? Formulation::dsd_sst : Formulation::semi_discrete;
     phase.step = p.step();
     phase.steps = p.steps();
+    phase.time_order = p.time_order();
+    phase.time_points = p.time_points();
     if (p.has_mesh_displacement()) phase.mesh_displacement = expression(p.mesh_displacement());
     if (phase.mesh_displacement && phase.formulation == Formulation::semi_discrete)
       report.error(s.source.where(fmt::format("phase[{}].mesh_displacement", i)),
@@ -147,10 +149,14 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.dynamic_viscosity = m.dynamic_viscosity();
   s.smagorinsky = m.smagorinsky();
   s.lsic = m.stabilisation().lsic();
+  if (m.stabilisation().has_tau_step()) s.tau_step = m.stabilisation().tau_step();
   s.body_force = expression(m.body_force());
   load_phases(m, s, report);
   s.newton = {m.newton().residual_tolerance(), m.newton().max_iterations(), m.newton().failure_tolerance(),
               m.newton().iterations_per_coupling(), m.newton().jacobian_lag()};
+  s.linear_method = m.linear().method() == v1::FluidLinear::DIRECT   ? LinearMethod::direct
+                    : m.linear().method() == v1::FluidLinear::KRYLOV ? LinearMethod::krylov
+                                                                     : LinearMethod::automatic;
   s.linear = {m.linear().tolerance(), m.linear().max_iterations(), m.linear().restart()};
   load_boundaries(m, s, report);
   s.slip_feature_angle = m.slip_feature_angle();

@@ -15,6 +15,8 @@ namespace drogue::fluid {
 
 enum class Formulation { semi_discrete, dsd_sst };
 enum class InterfaceLoad { pressure, traction };
+/// automatic: direct on one rank up to a size.
+enum class LinearMethod { automatic, direct, krylov };
 enum class Condition { velocity, no_slip, free_slip, traction_free, traction };
 
 struct BoundarySettings {
@@ -36,6 +38,8 @@ struct PhaseSettings {
   double step = 0;
   int steps = 0;
   std::optional<config::VectorExpression> mesh_displacement;
+  int time_order = 1;  ///< of semi_discrete
+  int time_points = 2; ///< quadrature points of dsd_sst
 };
 
 struct NewtonSettings {
@@ -78,9 +82,11 @@ struct Settings {
   double dynamic_viscosity = 0;
   double smagorinsky = 0;
   bool lsic = true;
+  std::optional<double> tau_step; ///< in place of the step in tau
   config::VectorExpression body_force;
   std::vector<PhaseSettings> phases;
   NewtonSettings newton;
+  LinearMethod linear_method = LinearMethod::automatic;
   la::KrylovOptions linear;
   std::vector<BoundarySettings> boundaries;
   double slip_feature_angle = 40; ///< [degrees]

@@ -65,7 +65,7 @@ SlipWalls::SlipWalls(std::span<const Face> faces, std::span<const char> fixed, s
   // 1. faces by node
   std::vector<std::pair<std::int32_t, std::size_t>> corners;
   for (std::size_t f = 0; f < faces.size(); ++f)
-    for (const std::int32_t node : faces[f].face.nodes)
+    for (const std::int32_t node : faces[f].face.nodes())
       if (const char* held = fixed.data() + 3 * at(node); !held[0] || !held[1] || !held[2])
         corners.emplace_back(node, f);
   std::sort(corners.begin(), corners.end());

@@ -2,47 +2,45 @@
 #pragma once
 
 #include "fluid_solver/instant.hpp"
+#include "fluid_solver/slab_rule.hpp"
 
-/// DSD/SST: P1 tetrahedron in space times linear, discontinuous in time, on the slab between the mesh at t_n
-/// and the mesh at t_{n+1} [tezduyar1992], [stein2001]. 8 unknowns a node: (u, p) at t_n^+ and (u, p) at
-/// t_{n+1}^-.
+/// DSD/SST: P1 triangle or tetrahedron in space times linear, discontinuous in time, on the slab between the
+/// mesh at t_n and the mesh at t_{n+1} [tezduyar1992], [stein2001]. 8 unknowns a node: (u, p) at t_n^+ and
+/// (u, p) at t_{n+1}^-; u_z has no equation in two dimensions.
 ///
 /// Test functions N_a(x, t) T_al(t), al = 0, 1, T_0 = 1 - theta, T_1 = theta. The nodes move with the mesh,
 /// so d(N_a T_al)/dt + u . grad(N_a T_al) = N_a T_al' + T_al c . grad N_a, and du/dt following the mesh is
 /// (u_{n+1} - u_n)/dt nodewise. With F, C, Ft of instant.hpp:
 ///   R_(a,al)^u = int_dt (T_al F_a + T_al' Ft_a) dt  +  delta_al0 int_{Omega(t_n)} N_a (u_n^+ - u_n^-)
 ///   R_(a,al)^p = int_dt T_al C_a dt
-/// Two Gauss points in time; space integrals are exact at each. The moving mesh enters through the geometry
-/// and through c alone: fields linear in x stay exact on any moving mesh.
+/// Two or three Gauss points in time; space integrals are exact at each. The moving mesh enters through the
+/// geometry and through c alone: fields linear in x stay exact on any moving mesh.
 namespace drogue::fluid {
 
-template <class Real>
+template <int dim, class Real>
 struct SpaceTimeValues {
-  Real x_n[4][3];   ///< corners at t_n [length]
-  Real x_np1[4][3]; ///< corners at t_{n+1}
-  Real u_n[4][3];   ///< u_n^-, end of the slab before
-  Real f_n[4][3];   ///< body force per mass at t_n
-  Real f_np1[4][3]; ///< body force per mass at t_{n+1}
-  Real w[4][8];     ///< unknowns
+  Real x_n[dim + 1][dim];   ///< corners at t_n [length]
+  Real x_np1[dim + 1][dim]; ///< corners at t_{n+1}
+  Real u_n[dim + 1][dim];   ///< u_n^-, end of the slab before
+  Real f_n[dim + 1][dim];   ///< body force per mass at t_n
+  Real f_np1[dim + 1][dim]; ///< body force per mass at t_{n+1}
+  Real w[dim + 1][8];       ///< unknowns
 };
-
-/// Positions of the two Gauss points in (0, 1).
-inline constexpr double slab_points[2] = {0.21132486540518711775, 0.78867513459481288225};
 
 /// Whether the advecting velocity is relative to the mesh. Leaving the mesh velocity out is wrong on a moving
 /// mesh; the tests do it to show that they would notice.
 enum class MeshVelocity { subtracted, left_out };
 
 /// Nodal values at theta of the slab; x receives the corners.
-template <MeshVelocity mesh_velocity, class Real>
-inline void values_in_slab(const SpaceTimeValues<Real>& in, double theta, double dt, Real x[4][3],
-                           InstantValues<Real>& v) noexcept {
+template <MeshVelocity mesh_velocity, int dim, class Real>
+inline void values_in_slab(const SpaceTimeValues<dim, Real>& in, double theta, double dt,
+                           Real x[dim + 1][dim], InstantValues<dim, Real>& v) noexcept {
   const double T0 = 1.0 - theta;
   const double T1 = theta;
   const double rate = 1.0 / dt;
-  for (int a = 0; a < 4; ++a) {
+  for (int a = 0; a <= dim; ++a) {
     v.p[a] = T0 * in.w[a][3] + T1 * in.w[a][7];
-    for (int d = 0; d < 3; ++d) {
+    for (int d = 0; d < dim; ++d) {
       x[a][d] = T0 * in.x_n[a][d] + T1 * in.x_np1[a][d];
       v.u[a][d] = T0 * in.w[a][d] + T1 * in.w[a][4 + d];
       v.c[a][d] = v.u[a][d];
@@ -54,8 +52,8 @@ inline void values_in_slab(const SpaceTimeValues<Real>& in, double theta, double
 }
 
 /// Adds one time point's share of the 8 x 8 tangent block (column-major).
-template <class Real>
-inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double dt,
+template <int dim, class Real>
+inline void add_slab_tangent(const InstantTangent<dim, Real>& t, double theta, double dt,
                              Real block[64]) noexcept {
   const double T[2] = {1.0 - theta, theta};
   const double D[2] = {-1.0 / dt, 1.0 / dt};
@@ -66,8 +64,8 @@ inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double
       const double DT = D[al] * T[be];
       const Real rate = TD * t.momentum_rate + (D[al] * D[be]) * t.time_rate;
       Real* q = block + 32 * be + 4 * al;
-      for (int j = 0; j < 3; ++j) {
-        for (int i = 0; i < 3; ++i) q[8 * j + i] += TT * t.momentum_u[i][j] + DT * t.time_u[i][j];
+      for (int j = 0; j < dim; ++j) {
+        for (int i = 0; i < dim; ++i) q[8 * j + i] += TT * t.momentum_u[i][j] + DT * t.time_u[i][j];
         q[8 * j + j] += rate;
         q[8 * j + 3] += TT * t.continuity_u[j] + TD * t.continuity_rate[j];
         q[24 + j] += TT * t.momentum_p[j] + DT * t.time_p[j];
@@ -77,49 +75,49 @@ inline void add_slab_tangent(const InstantTangent<Real>& t, double theta, double
 }
 
 /// residual[a] = (R_(a,0)^u, R_(a,0)^p, R_(a,1)^u, R_(a,1)^p); with `tangent`, calls sink(a, b, block) for
-/// the 16 node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
-template <bool tangent, MeshVelocity mesh_velocity = MeshVelocity::subtracted, class Real, class Rule,
-          class Sink>
-inline void space_time_element(const SpaceTimeValues<Real>& in, double dt, const Rule& rule,
-                               Real residual[4][8], Sink&& sink) noexcept {
-  const Real jump_V20 = 0.05 * tet_geometry(in.x_n).volume;
-  for (int d = 0; d < 3; ++d) {
-    Real jump[4];
+/// all node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
+template <bool tangent, int points = 2, MeshVelocity mesh_velocity = MeshVelocity::subtracted, int dim,
+          class Real, class Rule, class Sink>
+inline void space_time_element(const SpaceTimeValues<dim, Real>& in, double dt, const Rule& rule,
+                               Real residual[dim + 1][8], Sink&& sink) noexcept {
+  constexpr int nodes = dim + 1;
+  constexpr SlabRule<points> slab;
+  const Real jump_V = node_pair<dim> * simplex_geometry(in.x_n).volume;
+  for (int a = 0; a < nodes; ++a)
+    for (int i = 0; i < 8; ++i) residual[a][i] = Real{};
+  for (int d = 0; d < dim; ++d) {
+    Real jump[nodes];
     Real sum{};
-    for (int a = 0; a < 4; ++a) sum += jump[a] = in.w[a][d] - in.u_n[a][d];
-    for (int a = 0; a < 4; ++a) {
-      residual[a][d] = jump_V20 * (sum + jump[a]);
-      residual[a][4 + d] = Real{};
-    }
+    for (int a = 0; a < nodes; ++a) sum += jump[a] = in.w[a][d] - in.u_n[a][d];
+    for (int a = 0; a < nodes; ++a) residual[a][d] = jump_V * (sum + jump[a]);
   }
-  for (int a = 0; a < 4; ++a) residual[a][3] = residual[a][7] = Real{};
 
-  Instant<Real> s[2];
-  for (int point = 0; point < 2; ++point) {
-    const double theta = slab_points[point];
-    Real x[4][3];
-    InstantValues<Real> v;
+  Instant<dim, Real> s[points];
+  for (int point = 0; point < points; ++point) {
+    const double theta = slab.theta[point];
+    Real x[nodes][dim];
+    InstantValues<dim, Real> v;
     values_in_slab<mesh_velocity>(in, theta, dt, x, v);
-    evaluate_instant(x, v, 0.5 * dt, rule, point, s[point]);
+    evaluate_instant<dim>(x, v, slab.weight[point] * dt, rule, point, s[point]);
     const double T[2] = {1.0 - theta, theta};
     const double D[2] = {-1.0 / dt, 1.0 / dt};
-    for (int a = 0; a < 4; ++a)
+    for (int a = 0; a < nodes; ++a)
       for (int al = 0; al < 2; ++al) {
-        for (int d = 0; d < 3; ++d)
+        for (int d = 0; d < dim; ++d)
           residual[a][4 * al + d] += T[al] * s[point].momentum[a][d] + D[al] * s[point].time_test[a][d];
         residual[a][4 * al + 3] += T[al] * s[point].continuity[a];
       }
   }
   if constexpr (tangent) {
-    InstantTangent<Real> t;
+    InstantTangent<dim, Real> t;
     Real block[64];
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) {
+    for (int a = 0; a < nodes; ++a)
+      for (int b = 0; b < nodes; ++b) {
         for (Real& value : block) value = Real{};
-        for (int d = 0; d < 3; ++d) block[9 * d] = jump_V20 * (a == b ? 2.0 : 1.0);
-        for (int point = 0; point < 2; ++point) {
-          instant_tangent(s[point], a, b, t);
-          add_slab_tangent(t, slab_points[point], dt, block);
+        for (int d = 0; d < dim; ++d) block[9 * d] = jump_V * (a == b ? 2.0 : 1.0);
+        for (int point = 0; point < points; ++point) {
+          instant_tangent<dim>(s[point], a, b, t);
+          add_slab_tangent(t, slab.theta[point], dt, block);
         }
         sink(a, b, block);
       }

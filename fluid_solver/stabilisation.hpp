@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fluid_solver/batch.hpp"
-#include "fluid_solver/tet_geometry.hpp"
+#include "fluid_solver/simplex_geometry.hpp"
 
 namespace drogue::fluid {
 
@@ -12,6 +12,7 @@ struct FlowParameters {
   double nu = 0;          ///< molecular kinematic viscosity [length^2/time]
   double smagorinsky = 0; ///< Cs; 0 switches the model off
   bool lsic = true;
+  double tau_dt = 0; ///< time step in tau [time]; dt unless a study of the order in time holds it
 };
 
 /// Element coefficients at one instant. The tangent holds them constant.
@@ -22,19 +23,22 @@ struct Coefficients {
   Real tau_lsic; ///< [length^2/time]
 };
 
-/// Edge of the regular tetrahedron of the same volume [length].
-template <class Real>
+/// Edge of the regular triangle or tetrahedron of the same volume [length].
+template <int dim, class Real>
 [[nodiscard]] inline Real element_length(Real volume) noexcept {
-  return cube_root(6.0 * 1.4142135623730951 * volume);
+  if constexpr (dim == 2)
+    return square_root(4.0 / 1.7320508075688772 * volume);
+  else
+    return cube_root(6.0 * 1.4142135623730951 * volume);
 }
 
 /// Smagorinsky's eddy viscosity (Cs h)^2 sqrt(2 S:S), S the symmetric velocity gradient [length^2/time].
 /// grad_u[i][j] = du_i/dx_j.
-template <class Real>
-[[nodiscard]] inline Real eddy_viscosity(Real h, const Real grad_u[3][3], double cs) noexcept {
+template <int dim, class Real>
+[[nodiscard]] inline Real eddy_viscosity(Real h, const Real (*grad_u)[dim], double cs) noexcept {
   Real twice_s_s{};
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j) {
       const Real twice_s = grad_u[i][j] + grad_u[j][i];
       twice_s_s += 0.5 * twice_s * twice_s;
     }
@@ -51,17 +55,23 @@ template <class Real>
 struct StandardCoefficients {
   FlowParameters parameters;
 
-  template <class Real>
-  [[nodiscard]] Coefficients<Real> operator()(int /*instant*/, const TetGeometry<Real>& geometry,
-                                              const Real c[3], const Real grad_u[3][3]) const noexcept {
+  template <int dim, class Real>
+  [[nodiscard]] Coefficients<Real> operator()(int /*instant*/, const SimplexGeometry<dim, Real>& geometry,
+                                              const Real* c, const Real (*grad_u)[dim]) const noexcept {
     constexpr double tiny = 1e-300;
-    const Real h = element_length(geometry.volume);
+    const Real h = element_length<dim>(geometry.volume);
     Coefficients<Real> k;
-    k.nu = parameters.nu + eddy_viscosity(h, grad_u, parameters.smagorinsky);
-    const Real speed = square_root(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+    k.nu = parameters.nu + eddy_viscosity<dim>(h, grad_u, parameters.smagorinsky);
+    Real speed_squared{};
+    for (int d = 0; d < dim; ++d) speed_squared += c[d] * c[d];
+    const Real speed = square_root(speed_squared);
     Real advection{};
-    for (const auto& g : geometry.gradient) advection += absolute(c[0] * g[0] + c[1] * g[1] + c[2] * g[2]);
-    const double rate = 2.0 / parameters.dt;
+    for (const auto& g : geometry.gradient) {
+      Real c_g = c[0] * g[0];
+      for (int d = 1; d < dim; ++d) c_g += c[d] * g[d];
+      advection += absolute(c_g);
+    }
+    const double rate = 2.0 / parameters.tau_dt;
     const Real diffusion = 4.0 * k.nu / (h * h);
     k.tau = 1.0 / square_root(advection * advection + rate * rate + diffusion * diffusion);
     const Real h_ugn = 2.0 * speed / (advection + tiny);

@@ -88,7 +88,7 @@ class Progress {
 Result<StepFigures> one_step(const PhaseSettings& phase, const Case& input, FlowRun& run) {
   FlowSolver& solver = run.solver();
   const NewtonSettings& newton = input.settings.newton;
-  DROGUE_TRY(solver.begin_step(phase.formulation, phase.step));
+  DROGUE_TRY(solver.begin_step({phase.formulation, phase.time_order, phase.time_points}, phase.step));
   DROGUE_TRY(move_mesh(phase, input.mesh, solver));
   if (const auto done = solver.newton(newton.max_iterations); !done) return done.error();
   return run.finish_step(true, newton.failure_tolerance);

@@ -8,9 +8,13 @@
 namespace drogue::fluid {
 
 /// One time step in nodal arrays in the solver's node order, the same on every rank. Pressures are kinematic.
+/// In two dimensions third components are zero.
 struct StepData {
   double t_n = 0;
   double dt = 0;
+  int time_points = 2;                  ///< quadrature points of DSD/SST in time
+  double rate = 0;                      ///< semi-discrete: du/dt = rate u_{n+1} + history [1/time]
+  std::vector<double> history;          ///< {n, 3} [length/time^2]
   std::vector<double> x_n;              ///< {n, 3} mesh at t_n
   std::vector<double> x_np1;            ///< {n, 3} mesh at t_{n+1}
   std::vector<double> u_n;              ///< {n, 3} velocity at t_n^-

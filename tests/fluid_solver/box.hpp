@@ -67,6 +67,43 @@ inline mesh::Mesh box_mesh(std::array<int, 3> n, std::array<double, 3> size, boo
   return m;
 }
 
+/// The same in two dimensions: [0, size] of n[0] x n[1] cells of two triangles; boundaries x0 x1 y0 y1. All
+/// diagonals run the same way, or with `crossed` in turn.
+inline mesh::Mesh rectangle_mesh(std::array<int, 2> n, std::array<double, 2> size, bool crossed = false) {
+  mesh::Mesh m;
+  const auto id = [&](int i, int j) { return j * (n[0] + 1) + i; };
+  for (int j = 0; j <= n[1]; ++j)
+    for (int i = 0; i <= n[0]; ++i)
+      m.points.insert(m.points.end(), {size[0] * i / n[0], size[1] * j / n[1], 0.0});
+  mesh::ElementBlock fluid{"fluid", mesh::ElementKind::tri3, {}};
+  for (int j = 0; j < n[1]; ++j)
+    for (int i = 0; i < n[0]; ++i) {
+      const int a = id(i, j);
+      const int b = id(i + 1, j);
+      const int c = id(i + 1, j + 1);
+      const int d = id(i, j + 1);
+      if (crossed && (i + j) % 2 == 1)
+        fluid.nodes.insert(fluid.nodes.end(), {a, b, d, b, c, d});
+      else
+        fluid.nodes.insert(fluid.nodes.end(), {a, b, c, a, c, d});
+    }
+  m.blocks.push_back(fluid);
+  mesh::ElementBlock sides[4] = {{"x0", mesh::ElementKind::line2, {}},
+                                 {"x1", mesh::ElementKind::line2, {}},
+                                 {"y0", mesh::ElementKind::line2, {}},
+                                 {"y1", mesh::ElementKind::line2, {}}};
+  for (int j = 0; j < n[1]; ++j) {
+    sides[0].nodes.insert(sides[0].nodes.end(), {id(0, j), id(0, j + 1)});
+    sides[1].nodes.insert(sides[1].nodes.end(), {id(n[0], j), id(n[0], j + 1)});
+  }
+  for (int i = 0; i < n[0]; ++i) {
+    sides[2].nodes.insert(sides[2].nodes.end(), {id(i, 0), id(i + 1, 0)});
+    sides[3].nodes.insert(sides[3].nodes.end(), {id(i, n[1]), id(i + 1, n[1])});
+  }
+  for (const auto& side : sides) m.blocks.push_back(side);
+  return m;
+}
+
 inline config::VectorExpression vector_expression(const std::string& x, const std::string& y,
                                                   const std::string& z) {
   return {config::Expression::parse(x).value(), config::Expression::parse(y).value(),
@@ -91,6 +128,7 @@ inline BoundarySettings velocity(std::string name, const std::string& x, const s
 inline Settings tight_settings(double dynamic_viscosity) {
   Settings s;
   s.mesh = "box.msh";
+  s.linear_method = LinearMethod::krylov;
   s.density = 2;
   s.dynamic_viscosity = dynamic_viscosity;
   s.newton = {1e-13, 30, 0.5, 1, 1};
@@ -105,11 +143,18 @@ inline void velocity_all_around(Settings& s, const std::string& x, const std::st
     s.boundaries.push_back(velocity(name, x, y, z));
 }
 
-/// Every coordinate moved at random by at most `amount`.
-inline std::vector<double> shaken(std::vector<double> points, double amount, unsigned seed) {
+/// On the four sides of a rectangle.
+inline void velocity_all_around(Settings& s, const std::string& x, const std::string& y) {
+  for (const char* name : {"x0", "x1", "y0", "y1"}) s.boundaries.push_back(velocity(name, x, y, "0"));
+}
+
+/// Every coordinate (in two dimensions: x and y) moved at random by at most `amount`.
+inline std::vector<double> shaken(std::vector<double> points, double amount, unsigned seed,
+                                  int dimension = 3) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> uniform(-amount, amount);
-  for (double& x : points) x += uniform(generator);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (i % 3 < static_cast<std::size_t>(dimension)) points[i] += uniform(generator);
   return points;
 }
 

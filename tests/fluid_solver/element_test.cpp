@@ -12,41 +12,44 @@ namespace drogue::fluid {
 namespace {
 
 constexpr double corners[4][3] = {{0.1, 0, 0}, {1, 0.1, 0.05}, {0.2, 0.9, -0.1}, {0.15, 0.2, 1.1}};
-const FlowParameters parameters{.dt = 0.3, .nu = 0.02, .smagorinsky = 0.2, .lsic = true};
+const FlowParameters parameters{.dt = 0.3, .nu = 0.02, .smagorinsky = 0.2, .lsic = true, .tau_dt = 0.3};
 
 /// Coefficients recorded at the base state: what the tangent holds constant.
 struct Frozen {
-  Coefficients<double> k[2];
-  Coefficients<double> operator()(int point, const TetGeometry<double>&, const double*,
-                                  const double (*)[3]) const noexcept {
+  Coefficients<double> k[3];
+  template <int dim>
+  Coefficients<double> operator()(int point, const SimplexGeometry<dim, double>&, const double*,
+                                  const double (*)[dim]) const noexcept {
     return k[point];
   }
 };
 struct Recorder {
   StandardCoefficients standard{parameters};
   Frozen* frozen;
-  Coefficients<double> operator()(int point, const TetGeometry<double>& g, const double* c,
-                                  const double (*grad_u)[3]) const noexcept {
+  template <int dim>
+  Coefficients<double> operator()(int point, const SimplexGeometry<dim, double>& g, const double* c,
+                                  const double (*grad_u)[dim]) const noexcept {
     return frozen->k[point] = standard(point, g, c, grad_u);
   }
 };
 
-template <class Values, int n, class Element>
+template <class Values, int dim, int n, class Element>
 double largest_tangent_error(Values in, Element&& element) {
+  constexpr int nodes = dim + 1;
   Frozen frozen;
-  double r[4][n];
-  std::vector<double> tangent(4 * n * 4 * n);
+  double r[nodes][n];
+  std::vector<double> tangent(nodes * n * nodes * n);
   element(in, Recorder{{parameters}, &frozen}, r, [&](int a, int b, const double* block) {
     for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) tangent[(n * a + i) * 4 * n + n * b + j] = block[n * j + i];
+      for (int i = 0; i < n; ++i) tangent[(n * a + i) * nodes * n + n * b + j] = block[n * j + i];
   });
   const double step = 1e-6;
   double worst = 0;
   double scale = 0;
-  for (int b = 0; b < 4; ++b)
+  for (int b = 0; b < nodes; ++b)
     for (int j = 0; j < n; ++j) {
-      double plus[4][n];
-      double minus[4][n];
+      double plus[nodes][n];
+      double minus[nodes][n];
       const double keep = in.w[b][j];
       auto ignore = [](int, int, const double*) {};
       in.w[b][j] = keep + step;
@@ -54,9 +57,9 @@ double largest_tangent_error(Values in, Element&& element) {
       in.w[b][j] = keep - step;
       element(in, frozen, minus, ignore);
       in.w[b][j] = keep;
-      for (int a = 0; a < 4; ++a)
+      for (int a = 0; a < nodes; ++a)
         for (int i = 0; i < n; ++i) {
-          const double exact = tangent[(n * a + i) * 4 * n + n * b + j];
+          const double exact = tangent[(n * a + i) * nodes * n + n * b + j];
           worst = std::max(worst, std::abs((plus[a][i] - minus[a][i]) / (2 * step) - exact));
           scale = std::max(scale, std::abs(exact));
         }
@@ -64,55 +67,75 @@ double largest_tangent_error(Values in, Element&& element) {
   return worst / scale;
 }
 
-template <class Values>
-Values random_values(int unknowns) {
-  std::mt19937 generator(7);
+template <int rows, int columns>
+void fill_at_random(std::mt19937& generator, double (&values)[rows][columns]) {
   std::uniform_real_distribution<double> uniform(-1, 1);
-  Values in;
-  for (int a = 0; a < 4; ++a) {
-    for (int d = 0; d < 3; ++d) in.u_n[a][d] = uniform(generator);
-    for (int i = 0; i < unknowns; ++i) in.w[a][i] = uniform(generator);
-  }
+  for (auto& row : values)
+    for (double& value : row) value = uniform(generator);
+}
+
+template <int dim>
+SemiDiscreteValues<dim, double> instant_values() {
+  std::mt19937 generator(7);
+  SemiDiscreteValues<dim, double> in;
+  fill_at_random(generator, in.history);
+  fill_at_random(generator, in.f);
+  fill_at_random(generator, in.w);
+  for (int a = 0; a <= dim; ++a)
+    for (int d = 0; d < dim; ++d) in.x[a][d] = corners[a][d];
   return in;
+}
+
+template <int dim>
+SpaceTimeValues<dim, double> slab() {
+  std::mt19937 generator(7);
+  SpaceTimeValues<dim, double> in;
+  fill_at_random(generator, in.u_n);
+  fill_at_random(generator, in.f_n);
+  fill_at_random(generator, in.f_np1);
+  fill_at_random(generator, in.w);
+  for (int a = 0; a <= dim; ++a)
+    for (int d = 0; d < dim; ++d) {
+      in.x_n[a][d] = corners[a][d];
+      in.x_np1[a][d] = corners[a][d] + 0.05 * std::sin(3.0 * a + d);
+    }
+  return in;
+}
+
+template <int dim>
+double semi_discrete_tangent_error() {
+  return largest_tangent_error<SemiDiscreteValues<dim, double>, dim, 4>(
+      instant_values<dim>(), [](const auto& v, const auto& rule, auto r, auto&& sink) {
+        semi_discrete_element<true>(v, 1.4 / parameters.dt, rule, r, sink);
+      });
+}
+
+template <int dim, int time_points>
+double space_time_tangent_error() {
+  return largest_tangent_error<SpaceTimeValues<dim, double>, dim, 8>(
+      slab<dim>(), [](const auto& v, const auto& rule, auto r, auto&& sink) {
+        space_time_element<true, time_points>(v, parameters.dt, rule, r, sink);
+      });
 }
 
 TEST(SemiDiscreteElement, TangentMatchesFiniteDifferencesWithFrozenCoefficients) {
-  auto in = random_values<SemiDiscreteValues<double>>(4);
-  for (int a = 0; a < 4; ++a)
-    for (int d = 0; d < 3; ++d) {
-      in.x[a][d] = corners[a][d];
-      in.f[a][d] = 0.3 * a - d;
-    }
-  const double error = largest_tangent_error<SemiDiscreteValues<double>, 4>(
-      in, [](const auto& v, const auto& rule, auto r, auto&& sink) {
-        semi_discrete_element<true>(v, parameters.dt, rule, r, sink);
-      });
-  EXPECT_LT(error, 1e-8);
-}
-
-SpaceTimeValues<double> slab() {
-  auto in = random_values<SpaceTimeValues<double>>(8);
-  for (int a = 0; a < 4; ++a)
-    for (int d = 0; d < 3; ++d) {
-      in.x_n[a][d] = corners[a][d];
-      in.x_np1[a][d] = corners[a][d] + 0.05 * std::sin(3.0 * a + d);
-      in.f_n[a][d] = 0.2 * a;
-      in.f_np1[a][d] = -0.4 * d;
-    }
-  return in;
+  EXPECT_LT(semi_discrete_tangent_error<2>(), 1e-8);
+  EXPECT_LT(semi_discrete_tangent_error<3>(), 1e-8);
 }
 
 TEST(SpaceTimeElement, TangentMatchesFiniteDifferencesWithFrozenCoefficients) {
-  const double error = largest_tangent_error<SpaceTimeValues<double>, 8>(
-      slab(), [](const auto& v, const auto& rule, auto r, auto&& sink) {
-        space_time_element<true>(v, parameters.dt, rule, r, sink);
-      });
-  EXPECT_LT(error, 1e-8);
+  EXPECT_LT((space_time_tangent_error<2, 2>()), 1e-8);
+  EXPECT_LT((space_time_tangent_error<3, 2>()), 1e-8);
+}
+
+TEST(SpaceTimeElement, TangentWithThreeTimePointsMatchesToo) {
+  EXPECT_LT((space_time_tangent_error<2, 3>()), 1e-8);
+  EXPECT_LT((space_time_tangent_error<3, 3>()), 1e-8);
 }
 
 TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
-  const SpaceTimeValues<double> in = slab();
-  SpaceTimeValues<Batch> batch;
+  const SpaceTimeValues<3, double> in = slab<3>();
+  SpaceTimeValues<3, Batch> batch;
   const auto fill = [](auto& to, const auto& from) {
     for (int a = 0; a < 4; ++a)
       for (std::size_t i = 0; i < std::extent_v<std::remove_reference_t<decltype(from)>, 1>; ++i)
@@ -128,7 +151,7 @@ TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
   const auto ignore = [](int, int, const auto*) {};
   space_time_element<false>(batch, parameters.dt, StandardCoefficients{parameters}, r8, ignore);
   for (int l = 0; l < batch_size; ++l) {
-    SpaceTimeValues<double> one = in;
+    SpaceTimeValues<3, double> one = in;
     const auto scale = [&](auto& array) {
       for (auto& row : array)
         for (double& value : row) value *= 1 + 0.01 * l;
@@ -142,12 +165,14 @@ TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
 }
 
 TEST(Stabilisation, LimitsOfTau) {
-  const TetGeometry<double> geometry = tet_geometry(corners);
+  const SimplexGeometry<3, double> geometry = simplex_geometry(corners);
   const double grad_u[3][3] = {};
-  const double h = element_length(geometry.volume);
+  const double h = element_length<3>(geometry.volume);
   const double rest[3] = {0, 0, 0};
   const double wind[3] = {1, 2, 3};
-  const auto rule = [](double dt, double nu) { return StandardCoefficients{{.dt = dt, .nu = nu}}; };
+  const auto rule = [](double dt, double nu) {
+    return StandardCoefficients{{.dt = dt, .nu = nu, .tau_dt = dt}};
+  };
   EXPECT_NEAR(rule(1e-6, 1e-3)(0, geometry, wind, grad_u).tau, 0.5e-6, 1e-10);
   EXPECT_NEAR(rule(1e9, 10.0)(0, geometry, rest, grad_u).tau, h * h / 40, 1e-9);
   EXPECT_EQ(rule(0.1, 0.0)(0, geometry, rest, grad_u).tau_lsic, 0.0);

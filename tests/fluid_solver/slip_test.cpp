@@ -61,7 +61,7 @@ std::vector<double> shaken_inside(const std::vector<double>& box, const Vector& 
 /// One step to convergence.
 void step(FlowSolver& solver, Formulation formulation, double dt, std::span<const double> x,
           std::span<const double> wall) {
-  ASSERT_TRUE(solver.begin_step(formulation, dt).ok());
+  ASSERT_TRUE(solver.begin_step({formulation}, dt).ok());
   ASSERT_TRUE(solver.set_end(x, wall, wall).ok());
   const auto report = solver.newton(30);
   ASSERT_TRUE(report.ok() && report->linear_converged);
@@ -307,7 +307,7 @@ TEST(Slip, NothingFlowsThroughACurvedWall) {
   for (const BoundaryFace& face : mesh.faces) {
     if (face.boundary != floor[0]) continue;
     const auto area = area_vector(face, state.x);
-    for (const std::int32_t node : face.nodes)
+    for (const std::int32_t node : face.nodes())
       for (std::size_t d = 0; d < 3; ++d)
         flux += state.u[3 * static_cast<std::size_t>(node) + d] * area[d] / 3;
   }
