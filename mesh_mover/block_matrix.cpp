@@ -11,19 +11,20 @@ struct NodeElements {
   std::vector<std::size_t> start;
   std::vector<std::size_t> element;
 
-  NodeElements(std::span<const std::int32_t> tets, std::size_t node_count)
-      : start(node_count + 1, 0), element(tets.size()) {
-    for (const std::int32_t node : tets) ++start[static_cast<std::size_t>(node) + 1];
+  NodeElements(const Cells& cells, std::size_t node_count)
+      : start(node_count + 1, 0), element(cells.nodes.size()) {
+    for (const std::int32_t node : cells.nodes) ++start[static_cast<std::size_t>(node) + 1];
     for (std::size_t i = 0; i < node_count; ++i) start[i + 1] += start[i];
     std::vector<std::size_t> next(start.begin(), start.end() - 1);
-    for (std::size_t k = 0; k < tets.size(); ++k) element[next[static_cast<std::size_t>(tets[k])]++] = k / 4;
+    for (std::size_t k = 0; k < element.size(); ++k)
+      element[next[static_cast<std::size_t>(cells.nodes[k])]++] = k / cells.nodes_per_cell();
   }
 };
 
 } // namespace
 
-SymmetricBlocks<double> lower_pattern(std::span<const std::int32_t> tets, std::size_t node_count) {
-  const NodeElements around(tets, node_count);
+SymmetricBlocks<double> lower_pattern(const Cells& cells, std::size_t node_count) {
+  const NodeElements around(cells, node_count);
   SymmetricBlocks<double> matrix;
   matrix.row_start.assign(1, 0);
   std::vector<std::int32_t> row;
@@ -31,7 +32,7 @@ SymmetricBlocks<double> lower_pattern(std::span<const std::int32_t> tets, std::s
     const auto self = static_cast<std::int32_t>(i);
     row.assign(1, self);
     for (std::size_t k = around.start[i]; k < around.start[i + 1]; ++k)
-      for (const std::int32_t node : tets.subspan(4 * around.element[k], 4))
+      for (const std::int32_t node : cells.cell(around.element[k]))
         if (node < self) row.push_back(node);
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());

@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "mesh_mover/cells.hpp"
+
 namespace drogue::mesh_mover {
 
 /// A symmetric matrix of 3 x 3 blocks, one block row a node: the lower triangle in compressed rows, columns
@@ -35,9 +37,8 @@ struct SymmetricBlocks {
   }
 };
 
-/// Nodes of every element coupled with one another. `tets` {m, 4}. Values are zero.
-[[nodiscard]] SymmetricBlocks<double> lower_pattern(std::span<const std::int32_t> tets,
-                                                    std::size_t node_count);
+/// Nodes of every element coupled with one another. Values are zero.
+[[nodiscard]] SymmetricBlocks<double> lower_pattern(const Cells& cells, std::size_t node_count);
 
 /// Place of the block (row, column), row >= column. @pre the pattern holds it
 [[nodiscard]] std::int32_t place_of(const SymmetricBlocks<double>& matrix, std::int32_t row,

@@ -8,6 +8,7 @@ namespace drogue::mesh_mover {
 namespace {
 
 constexpr std::uint8_t all_given = 7;
+constexpr std::uint8_t out_of_plane = 4;
 constexpr int no_owner = -1;
 
 /// Smaller is stronger.
@@ -27,9 +28,10 @@ int rank(const Boundary& boundary) {
 
 } // namespace
 
-Result<BoundaryMotion> BoundaryMotion::create(const mesh::Mesh& mesh, std::vector<Boundary> boundaries) {
+Result<BoundaryMotion> BoundaryMotion::create(const mesh::Mesh& mesh, int dimension,
+                                              std::vector<Boundary> boundaries) {
   BoundaryMotion motion(std::move(boundaries));
-  motion.assign(mesh);
+  motion.assign(mesh, dimension);
   for (int c = 0; c < 3; ++c)
     if (std::none_of(motion.given_.begin(), motion.given_.end(), [c](std::uint8_t g) { return g >> c & 1; }))
       return config_error(
@@ -39,9 +41,18 @@ Result<BoundaryMotion> BoundaryMotion::create(const mesh::Mesh& mesh, std::vecto
   return motion;
 }
 
-void BoundaryMotion::assign(const mesh::Mesh& mesh) {
+std::vector<std::int32_t> BoundaryMotion::displaced_nodes() const {
+  std::vector<std::int32_t> nodes;
+  for (std::size_t k = 0; k < boundaries_.size(); ++k)
+    if (boundaries_[k].condition == Condition::displacement)
+      nodes.insert(nodes.end(), owned_[k].begin(), owned_[k].end());
+  std::sort(nodes.begin(), nodes.end());
+  return nodes;
+}
+
+void BoundaryMotion::assign(const mesh::Mesh& mesh, int dimension) {
   const auto n = static_cast<std::size_t>(mesh.node_count());
-  given_.assign(n, 0);
+  given_.assign(n, dimension == 2 ? out_of_plane : 0);
   std::vector<int> owner(n, no_owner);
   for (std::size_t k = 0; k < boundaries_.size(); ++k) {
     const Boundary& boundary = boundaries_[k];

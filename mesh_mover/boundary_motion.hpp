@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "mesh_mover/coarse_space.hpp"
 #include "mesh_mover/settings.hpp"
-#include "mesh_mover/stiffness.hpp"
 
 namespace drogue::mesh_mover {
 
@@ -28,13 +28,20 @@ struct BoundaryInput {
 class BoundaryMotion {
  public:
   /// Errors (ErrorKind::config): a direction in which no node of the mesh is held.
-  [[nodiscard]] static Result<BoundaryMotion> create(const mesh::Mesh& mesh,
+  /// @param dimension 2: the third component of all nodes is given, and zero
+  [[nodiscard]] static Result<BoundaryMotion> create(const mesh::Mesh& mesh, int dimension,
                                                      std::vector<Boundary> boundaries);
 
   /// Bit i: component i of the node is given. Shape {nodes}.
   [[nodiscard]] const Mask& given() const { return given_; }
   /// Sorted, unique nodes of all interface boundaries.
   [[nodiscard]] const std::vector<std::int32_t>& interface_nodes() const { return interface_nodes_; }
+
+  [[nodiscard]] const std::vector<Boundary>& boundaries() const { return boundaries_; }
+  /// The nodes that boundary k governs alone.
+  [[nodiscard]] const std::vector<std::int32_t>& owned_nodes(std::size_t k) const { return owned_[k]; }
+  /// The nodes of all boundaries with a displacement, sorted.
+  [[nodiscard]] std::vector<std::int32_t> displaced_nodes() const;
 
   /// Writes the given entries of the displacement since the start; leaves the others alone.
   /// `initial_points` and `u` {nodes, 3}.
@@ -43,7 +50,7 @@ class BoundaryMotion {
 
  private:
   explicit BoundaryMotion(std::vector<Boundary> boundaries) : boundaries_(std::move(boundaries)) {}
-  void assign(const mesh::Mesh& mesh);
+  void assign(const mesh::Mesh& mesh, int dimension);
 
   std::vector<Boundary> boundaries_;
   std::vector<std::vector<std::int32_t>> owned_; // nodes a boundary governs alone, {boundaries}

@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
   return run_solver_program({.name = "mesh_mover",
                              .description =
                                  "Moves a fluid mesh with its boundaries: an elastic pseudo-solid on "
-                                 "tetrahedra",
+                                 "tetrahedra or triangles",
                              .check = mesh_mover::check,
                              .run = mesh_mover::run},
                             argc, argv);

@@ -58,8 +58,8 @@ Result<participant::InterfaceMesh> MeshParticipant::initialize() {
   if (!mover) return mover.error();
   mover_ = std::move(*mover);
   mesh_hash_ = mesh::hash(mover_->mesh());
-  spdlog::info("{} nodes, {} tetrahedra, {} interface nodes", mover_->mesh().node_count(),
-               mover_->tets().size() / 4, mover_->motion().interface_nodes().size());
+  spdlog::info("{} nodes, {} {}, {} interface nodes", mover_->mesh().node_count(), mover_->cells().count(),
+               mover_->cells().plural(), mover_->motion().interface_nodes().size());
   if (resume_) return interface_mesh();
   SolveReport start;
   start.quality = mover_->current_quality();

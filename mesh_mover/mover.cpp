@@ -2,83 +2,59 @@
 #include "mesh_mover/mover.hpp"
 
 #include <algorithm>
-#include <cassert>
-#include <cmath>
-#include <numeric>
 
 namespace drogue::mesh_mover {
-namespace {
-
-/// Below this fraction of the load the residual is rounding.
-constexpr double rounding = 1e-13;
-
-std::vector<std::int32_t> all_tets(const mesh::Mesh& mesh) {
-  std::vector<std::int32_t> tets;
-  for (const auto& block : mesh.blocks)
-    if (block.kind == mesh::ElementKind::tet4)
-      tets.insert(tets.end(), block.nodes.begin(), block.nodes.end());
-  return tets;
-}
-
-double mean(std::span<const double> values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-/// Euclidean norm of the free entries.
-double free_norm(const Stiffness& stiffness, std::span<const double> f) {
-  double sum = 0;
-  for (std::size_t i = 0; i < f.size() / 3; ++i)
-    for (int c = 0; c < 3; ++c)
-      if (!stiffness.is_given(i, c))
-        sum += f[3 * i + static_cast<std::size_t>(c)] * f[3 * i + static_cast<std::size_t>(c)];
-  return std::sqrt(sum);
-}
-
-} // namespace
 
 Result<std::unique_ptr<MeshMover>> MeshMover::create(mesh::Mesh mesh, const Settings& settings) {
-  auto tets = all_tets(mesh);
-  auto jacobians = positive_jacobians(mesh.points, tets);
-  if (!jacobians) return jacobians.error();
-  auto motion = BoundaryMotion::create(mesh, settings.boundaries);
+  auto cells = cells_of(mesh);
+  auto initial = mesh_mover::initial_shapes(mesh.points, cells);
+  if (!initial) return initial.error();
+  auto motion = BoundaryMotion::create(mesh, cells.dimension, settings.boundaries);
   if (!motion) return motion.error();
   return std::unique_ptr<MeshMover>(
-      new MeshMover(std::move(mesh), settings, std::move(*motion), std::move(tets), std::move(*jacobians)));
+      new MeshMover(std::move(mesh), settings, std::move(cells), std::move(*motion), std::move(*initial)));
 }
 
-MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, BoundaryMotion motion,
-                     std::vector<std::int32_t> tets, std::vector<double> jacobians)
+MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, Cells cells, BoundaryMotion motion,
+                     InitialShapes initial)
     : mesh_(std::move(mesh)),
       settings_(settings),
+      cells_(std::move(cells)),
       motion_(std::move(motion)),
-      tets_(std::move(tets)),
-      initial_jacobians_(std::move(jacobians)),
-      solid_(pseudo_solid(settings.poisson_ratio, settings.stiffening_exponent, mean(initial_jacobians_))),
-      stiffness_(tets_, motion_.given()),
-      solver_(stiffness_.matrix(), stiffness_.given_rows()),
+      initial_(std::move(initial)),
+      extension_(make_extension(settings_, cells_, motion_, mesh_.points, initial_.jacobians)),
       u_n_(mesh_.points.size(), 0.0),
       increment_n_(u_n_),
       u_np1_(u_n_),
       points_np1_(mesh_.points),
+      target_(u_n_),
       w_(u_n_),
-      load_(u_n_),
-      work_(u_n_),
-      load_rows_(u_n_),
-      w_rows_(u_n_) {}
+      increment_(u_n_) {}
 
-Result<void> MeshMover::prepare(std::span<const double> points) {
-  stiffness_.assemble(solid_, points);
-  DROGUE_TRY(solver_.update());
+/// function(i) for every given entry i of a nodal array {nodes, 3}.
+template <class Function>
+void MeshMover::for_each_given(Function&& function) const {
+  const Mask& given = motion_.given();
+  for (std::size_t node = 0; node < given.size(); ++node)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (given[node] >> c & 1) function(3 * node + c);
+}
+
+Result<void> MeshMover::prepare_base() {
+  if (is_prepared_) return {};
+  std::vector<double> base = mesh_.points;
+  if (!from_initial())
+    for (std::size_t i = 0; i < base.size(); ++i) base[i] += u_n_[i];
+  DROGUE_TRY(extension_->prepare(base));
   is_prepared_ = true;
   return {};
 }
 
 Result<void> MeshMover::begin_step(double time_step) {
   time_step_ = time_step;
-  if (settings_.increment == Increment::from_last_step)
-    DROGUE_TRY(prepare(points_np1_));
-  else if (!is_prepared_)
-    DROGUE_TRY(prepare(mesh_.points));
+  parts_ = 1;
+  if (!from_initial()) is_prepared_ = false;
+  DROGUE_TRY(prepare_base());
   start_value();
   return {};
 }
@@ -87,64 +63,82 @@ void MeshMover::start_value() {
   const double ratio = time_step_n_ > 0 ? time_step_ / time_step_n_ : 0;
   for (std::size_t i = 0; i < w_.size(); ++i) {
     w_[i] = ratio * increment_n_[i];
-    if (settings_.increment == Increment::from_initial) w_[i] += u_n_[i];
+    if (from_initial()) w_[i] += u_n_[i];
   }
 }
 
-double MeshMover::load_of_increment() {
-  // The given entries of w_ hold the boundary values of this iterate.
-  if (settings_.increment == Increment::from_last_step) return free_norm(stiffness_, load_);
-  for (std::size_t i = 0; i < w_.size(); ++i) u_np1_[i] = w_[i] - u_n_[i];
-  stiffness_.boundary_load(u_np1_, work_);
-  return free_norm(stiffness_, work_);
+void MeshMover::set_displacement(std::size_t i, double u) {
+  u_np1_[i] = u;
+  points_np1_[i] = mesh_.points[i] + u;
 }
 
-Result<SolveOutcome> MeshMover::relax(const BoundaryInput& input, double& reference) {
-  // 1. boundary values of the unknown
-  motion_.evaluate(input, mesh_.points, w_);
-  if (settings_.increment == Increment::from_last_step)
-    for (std::size_t i = 0; i < w_.size() / 3; ++i)
-      for (int c = 0; c < 3; ++c)
-        if (stiffness_.is_given(i, c))
-          w_[3 * i + static_cast<std::size_t>(c)] -= u_n_[3 * i + static_cast<std::size_t>(c)];
-  // 2. load, and the norm against which the residual is measured
-  stiffness_.boundary_load(w_, load_);
-  reference = load_of_increment();
-  if (reference == 0) { // the boundary is where it was at t_n
-    if (settings_.increment == Increment::from_last_step)
-      std::fill(w_.begin(), w_.end(), 0.0);
-    else
-      w_ = u_n_;
-    return SolveOutcome{true, 0, 0};
+Result<SolveReport> MeshMover::judge(SolveReport report) const {
+  report.quality = assess(points_np1_, cells_, initial_);
+  const std::string broken = broken_limit(report.quality, settings_.stop, cells_, points_np1_);
+  if (!broken.empty()) return retryable_error("{}; try a smaller step", broken);
+  report.warning = broken_limit(report.quality, settings_.warn, cells_, points_np1_);
+  return report;
+}
+
+Result<SolveReport> MeshMover::move_at_once() {
+  DROGUE_TRY(prepare_base());
+  bool moves = false;
+  for_each_given([&](std::size_t i) {
+    increment_[i] = target_[i] - u_n_[i];
+    w_[i] = from_initial() ? target_[i] : increment_[i];
+    moves = moves || increment_[i] != 0;
+  });
+  SolveReport report;
+  if (moves) {
+    const auto outcome = extension_->extend(w_, increment_);
+    if (!outcome) return outcome.error();
+    if (!outcome->converged)
+      return retryable_error(
+          "the mesh motion did not converge: relative residual {:.3g} after {} iterations (tolerance {:.3g})",
+          outcome->residual, outcome->iterations, settings_.tolerance);
+    report.iterations = outcome->iterations;
+    report.residual = outcome->residual;
+  } else if (from_initial()) { // the boundary is where it was at t_n
+    w_ = u_n_;
+  } else {
+    std::fill(w_.begin(), w_.end(), 0.0);
   }
-  // 3. the linear system, in the numbering of the matrix
-  const double tolerance = std::max(settings_.tolerance * reference, rounding * free_norm(stiffness_, load_));
-  stiffness_.to_rows(load_, load_rows_);
-  stiffness_.to_rows(w_, w_rows_);
-  auto outcome = solver_.solve(load_rows_, w_rows_, tolerance, settings_.max_iterations);
-  stiffness_.to_nodes(w_rows_, w_);
-  return outcome;
+  for (std::size_t i = 0; i < w_.size(); ++i) set_displacement(i, from_initial() ? w_[i] : u_n_[i] + w_[i]);
+  return judge(std::move(report));
+}
+
+Result<SolveReport> MeshMover::move_in(int parts) {
+  is_prepared_ = false; // the extension is prepared for intermediate meshes
+  const std::vector<double> start = from_initial() ? std::vector<double>(u_n_.size(), 0.0) : u_n_;
+  for (std::size_t i = 0; i < start.size(); ++i) set_displacement(i, start[i]);
+  for_each_given([&](std::size_t i) { increment_[i] = (target_[i] - start[i]) / parts; });
+  std::vector<double> w(start.size(), 0.0);
+  SolveReport report;
+  report.sub_increments = parts;
+  for (int part = 1; part <= parts; ++part) {
+    DROGUE_TRY(extension_->prepare(points_np1_));
+    for_each_given([&](std::size_t i) { w[i] = increment_[i]; });
+    const auto outcome = extension_->extend(w, increment_);
+    if (!outcome) return outcome.error();
+    if (!outcome->converged)
+      return retryable_error("the mesh motion did not converge in part {} of {}: relative residual {:.3g}",
+                             part, parts, outcome->residual);
+    report.iterations += outcome->iterations;
+    report.residual = std::max(report.residual, outcome->residual);
+    for (std::size_t i = 0; i < w.size(); ++i) set_displacement(i, u_np1_[i] + w[i]);
+    if (part < parts && !(assess(points_np1_, cells_, initial_).min_volume_ratio > 0)) return judge(report);
+  }
+  for_each_given([&](std::size_t i) { set_displacement(i, target_[i]); });
+  return judge(std::move(report));
 }
 
 Result<SolveReport> MeshMover::solve(const BoundaryInput& input) {
-  double reference = 0;
-  const auto outcome = relax(input, reference);
-  if (!outcome) return outcome.error();
-  const bool incremental = settings_.increment == Increment::from_last_step;
-  for (std::size_t i = 0; i < w_.size(); ++i) {
-    u_np1_[i] = incremental ? u_n_[i] + w_[i] : w_[i];
-    points_np1_[i] = mesh_.points[i] + u_np1_[i];
+  motion_.evaluate(input, mesh_.points, target_);
+  auto report = parts_ == 1 ? move_at_once() : move_in(parts_);
+  while (!report && report.error().retryable && 2 * parts_ <= settings_.max_sub_increments) {
+    parts_ *= 2;
+    report = move_in(parts_);
   }
-  SolveReport report;
-  report.iterations = outcome->iterations;
-  report.residual = reference > 0 ? outcome->residual / reference : 0;
-  if (!outcome->converged)
-    return retryable_error(
-        "the mesh motion did not converge: relative residual {:.3g} after {} iterations (tolerance "
-        "{:.3g})",
-        report.residual, report.iterations, settings_.tolerance);
-  report.quality = assess(points_np1_, tets_, initial_jacobians_);
-  DROGUE_TRY(accept(report.quality, settings_.smallest_volume_ratio));
   return report;
 }
 
@@ -155,12 +149,11 @@ void MeshMover::commit() {
 }
 
 void MeshMover::rollback() {
-  u_np1_ = u_n_;
-  for (std::size_t i = 0; i < u_n_.size(); ++i) points_np1_[i] = mesh_.points[i] + u_n_[i];
+  for (std::size_t i = 0; i < u_n_.size(); ++i) set_displacement(i, u_n_[i]);
 }
 
 Quality MeshMover::current_quality() const {
-  return assess(points_np1_, tets_, initial_jacobians_);
+  return assess(points_np1_, cells_, initial_);
 }
 
 void MeshMover::save(io::State& state) const {

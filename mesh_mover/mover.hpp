@@ -3,11 +3,11 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/io/state_file.hpp"
-#include "mesh_mover/boundary_motion.hpp"
-#include "mesh_mover/conjugate_gradient.hpp"
+#include "mesh_mover/extension.hpp"
 #include "mesh_mover/quality.hpp"
 
 namespace drogue::mesh_mover {
@@ -17,27 +17,33 @@ struct SolveReport {
   int iterations = 0;
   /// Euclidean norm of the residual, relative to the load of the boundary's increment in this step.
   double residual = 0;
+  /// Parts into which the boundary's motion was cut.
+  int sub_increments = 1;
   Quality quality;
+  /// The limit of Settings::warn that the mesh breaks; empty: none.
+  std::string warning;
 };
 
 /// Moves the fluid mesh: READY --begin_step--> IN_STEP --solve*--> IN_STEP --commit or rollback--> READY.
 ///
-/// Within a step the matrix is fixed and only boundary values change: it is assembled and its preconditioner
-/// factored in begin_step, and every solve starts from the last one of the same step. The first starts from
-/// the displacement at t_n plus the last step's increment, in proportion of the steps. The solver corrects
-/// the start value on its coarse space, which makes translations of the whole boundary exact to rounding.
-/// What is computed depends on the committed state and the sequence of inputs alone.
+/// Within a step the mesh that carries the motion is fixed and only boundary values change: begin_step
+/// prepares it, and every solve starts from the last one of the same step. The first starts from the
+/// displacement at t_n plus the last step's increment, in proportion of the steps. Where the moved mesh
+/// breaks a limit, the boundary's motion is cut into 2, 4, 8 ... equal sub-increments, each on the mesh of
+/// the last one. What is computed depends on the committed state and the sequence of inputs alone.
 class MeshMover {
  public:
-  /// Errors (ErrorKind::config): an element without positive volume; a direction in which nothing holds the
-  /// mesh.
+  /// Errors (ErrorKind::config): an element without positive volume; a node without an element; a direction
+  /// in which nothing holds the mesh.
   [[nodiscard]] static Result<std::unique_ptr<MeshMover>> create(mesh::Mesh mesh, const Settings& settings);
 
-  /// Errors (ErrorKind::internal): the preconditioner cannot be set up.
+  /// Errors (ErrorKind::internal): the linear solver cannot be set up.
   [[nodiscard]] Result<void> begin_step(double time_step);
   /// Finds the mesh for the boundary values of t_{n+1}.
-  /// Errors (ErrorKind::numerical, retryable): not converged; an element inverted or below the smallest
-  /// allowed volume. After an error displacement() is not valid; roll back. @pre in a step
+  /// Errors (ErrorKind::numerical, retryable): not converged; an element inverted or a limit of
+  /// Settings::stop broken, with as many sub-increments as are allowed. After an error displacement() is not
+  /// valid; roll back.
+  /// @pre in a step
   [[nodiscard]] Result<SolveReport> solve(const BoundaryInput& input);
   /// The last solve becomes the state at t_n. @pre the last solve succeeded
   void commit();
@@ -50,8 +56,8 @@ class MeshMover {
   [[nodiscard]] std::span<const double> points() const { return points_np1_; }
   [[nodiscard]] const mesh::Mesh& mesh() const { return mesh_; }
   [[nodiscard]] const BoundaryMotion& motion() const { return motion_; }
-  /// Connectivity of all tetrahedra in mesh order {m, 4}.
-  [[nodiscard]] std::span<const std::int32_t> tets() const { return tets_; }
+  [[nodiscard]] const Cells& cells() const { return cells_; }
+  [[nodiscard]] const InitialShapes& initial_shapes() const { return initial_; }
   /// Of the mesh at t_n.
   [[nodiscard]] Quality current_quality() const;
 
@@ -61,22 +67,25 @@ class MeshMover {
   [[nodiscard]] Result<void> load(const io::State& state);
 
  private:
-  MeshMover(mesh::Mesh mesh, const Settings& settings, BoundaryMotion motion, std::vector<std::int32_t> tets,
-            std::vector<double> jacobians);
-  [[nodiscard]] Result<void> prepare(std::span<const double> points);
+  MeshMover(mesh::Mesh mesh, const Settings& settings, Cells cells, BoundaryMotion motion,
+            InitialShapes initial);
+  template <class Function>
+  void for_each_given(Function&& function) const;
+  [[nodiscard]] bool from_initial() const { return settings_.increment == Increment::from_initial; }
+  [[nodiscard]] Result<void> prepare_base();
   void start_value();
-  [[nodiscard]] double load_of_increment();
-  [[nodiscard]] Result<SolveOutcome> relax(const BoundaryInput& input, double& reference);
+  [[nodiscard]] Result<SolveReport> move_at_once();
+  [[nodiscard]] Result<SolveReport> move_in(int parts);
+  [[nodiscard]] Result<SolveReport> judge(SolveReport report) const;
+  void set_displacement(std::size_t i, double u);
 
   mesh::Mesh mesh_;
   Settings settings_;
+  Cells cells_;
   BoundaryMotion motion_;
-  std::vector<std::int32_t> tets_;
-  std::vector<double> initial_jacobians_;
-  PseudoSolid solid_;
-  Stiffness stiffness_;
-  ConjugateGradient solver_;
-  bool is_prepared_ = false;
+  InitialShapes initial_;
+  std::unique_ptr<Extension> extension_;
+  bool is_prepared_ = false; // for the mesh at t_n, or the initial one for Increment::from_initial
 
   // Committed state.
   std::vector<double> u_n_;         // displacement since the start
@@ -85,12 +94,12 @@ class MeshMover {
 
   // State within the step.
   double time_step_ = 0;
+  int parts_ = 1; // sub-increments that the last solve needed
   std::vector<double> u_np1_;
   std::vector<double> points_np1_;
-  std::vector<double> w_; // unknown: the increment, or the displacement for Increment::from_initial
-  std::vector<double> load_;
-  std::vector<double> work_;
-  std::vector<double> load_rows_, w_rows_; // load and unknown in the order of the matrix
+  std::vector<double> target_;    // given entries: the boundary's displacement since the start
+  std::vector<double> w_;         // unknown: the increment, or the displacement for Increment::from_initial
+  std::vector<double> increment_; // given entries: what is new
 };
 
 } // namespace drogue::mesh_mover

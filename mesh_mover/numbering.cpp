@@ -35,8 +35,8 @@ std::vector<std::int32_t> breadth_first(const Graph& graph, std::int32_t start,
 
 } // namespace
 
-std::vector<std::int32_t> reverse_cuthill_mckee(std::span<const std::int32_t> tets, std::size_t node_count) {
-  const Graph graph(lower_pattern(tets, node_count));
+std::vector<std::int32_t> reverse_cuthill_mckee(const Cells& cells, std::size_t node_count) {
+  const Graph graph(lower_pattern(cells, node_count));
   std::vector<std::int32_t> level(node_count, unnumbered);
   std::vector<std::int32_t> number(node_count, unnumbered);
   std::int32_t next = 0;

@@ -15,8 +15,11 @@ Result<Case> load_whole_case(const std::filesystem::path& file, Role role) {
   auto input = load_case(file, role);
   if (!input) return input;
   // What only the mesh and the boundaries together can tell.
-  if (auto motion = BoundaryMotion::create(input->mesh, input->settings.boundaries); !motion)
-    return config_error("{}: error: {}", file.string(), motion.error().message);
+  const Cells cells = cells_of(input->mesh);
+  const auto shapes = initial_shapes(input->mesh.points, cells);
+  if (!shapes) return config_error("{}: error: {}", file.string(), shapes.error().message);
+  const auto motion = BoundaryMotion::create(input->mesh, cells.dimension, input->settings.boundaries);
+  if (!motion) return config_error("{}: error: {}", file.string(), motion.error().message);
   return input;
 }
 

@@ -9,8 +9,9 @@
 
 namespace drogue::mesh_mover {
 
-/// Writes mesh.csv (a row a step), and mesh.pvd with mesh_NNNNNN.vtu: the moved mesh with its displacement,
-/// and volume ratio and mean ratio of every element.
+/// Writes mesh.csv (a row a step: iterations, volumes, mean ratios, f_A and f_AR, angles, and where the worst
+/// element is), warns of meshes beyond Settings::warn, and writes mesh.pvd with mesh_NNNNNN.vtu: the moved
+/// mesh with its displacement, and volume ratio and mean ratio of every element.
 class Results {
  public:
   Results() = default;

@@ -22,6 +22,7 @@ class Checker {
   void against(const mesh::Mesh& mesh);
 
  private:
+  void in_plane();
   std::string at(const std::string& path) const { return source_.where(path); }
   const v1::MovingBoundary* find(const std::string& name) const;
 
@@ -76,15 +77,30 @@ void Checker::interface() {
   }
 }
 
+void Checker::in_plane() {
+  for (int i = 0; i < config_.boundary_size(); ++i) {
+    const auto& boundary = config_.boundary(i);
+    const std::string path = fmt::format("boundary[{}]", i);
+    if (boundary.has_sliding() && boundary.sliding().normal() == "z")
+      report_.error(at(path + ".sliding.normal"),
+                    fmt::format("normal is \"z\", but {} is two-dimensional: it must be \"x\" or \"y\"",
+                                config_.mesh()));
+    if (boundary.has_displacement() && boundary.displacement().has_z())
+      report_.error(at(path + ".displacement.z"),
+                    fmt::format("{} is two-dimensional: a displacement has no z", config_.mesh()));
+  }
+}
+
 void Checker::against(const mesh::Mesh& mesh) {
   std::vector<std::string> groups;
-  bool has_tets = false;
   std::set<std::string> refused;
+  const Cells cells = cells_of(mesh);
+  const auto side = cells.dimension == 2 ? mesh::ElementKind::line2 : mesh::ElementKind::tri3;
   for (const auto& block : mesh.blocks) {
-    has_tets = has_tets || block.kind == mesh::ElementKind::tet4;
-    if (block.kind == mesh::ElementKind::tri3) {
+    if (block.kind == side) {
       if (std::find(groups.begin(), groups.end(), block.group) == groups.end()) groups.push_back(block.group);
-    } else if (mesh::dimension(block.kind) >= 2 && block.kind != mesh::ElementKind::tet4) {
+    } else if (mesh::dimension(block.kind) >= 2 && block.kind != mesh::ElementKind::tet4 &&
+               block.kind != mesh::ElementKind::tri3) {
       refused.insert(fmt::format("{}s in group \"{}\"", mesh::name(block.kind), block.group));
     }
   }
@@ -92,7 +108,12 @@ void Checker::against(const mesh::Mesh& mesh) {
     report_.error(at("mesh"),
                   fmt::format("{} has {}; mesh_mover takes 4-node tetrahedra and 3-node triangles",
                               config_.mesh(), what));
-  if (!has_tets) report_.error(at("mesh"), fmt::format("{} has no tetrahedra", config_.mesh()));
+  if (cells.count() == 0) {
+    report_.error(at("mesh"), fmt::format("{} has neither tetrahedra nor triangles in one plane z = const",
+                                          config_.mesh()));
+    return;
+  }
+  if (cells.dimension == 2) in_plane();
   for (int i = 0; i < config_.boundary_size(); ++i) {
     const auto& name = config_.boundary(i).name();
     if (std::find(groups.begin(), groups.end(), name) == groups.end())
@@ -139,6 +160,27 @@ Boundary boundary_settings(const v1::MovingBoundary& from, const v1::MeshMoverCo
   return boundary;
 }
 
+Limits limits_from(const v1::MeshLimits& from) {
+  Limits limits;
+  limits.mean_ratio = from.mean_ratio();
+  limits.angle = from.angle();
+  if (from.has_f_a()) limits.f_A = from.f_a();
+  if (from.has_f_ar()) limits.f_AR = from.f_ar();
+  return limits;
+}
+
+LinearSolverKind linear_solver_from(v1::MeshMoverConfig::LinearSolver kind) {
+  switch (kind) {
+  case v1::MeshMoverConfig::DIRECT:
+    return LinearSolverKind::direct;
+  case v1::MeshMoverConfig::ITERATIVE:
+    return LinearSolverKind::iterative;
+  case v1::MeshMoverConfig::AUTOMATIC:
+    break;
+  }
+  return LinearSolverKind::automatic;
+}
+
 Settings settings_from(const v1::MeshMoverConfig& config) {
   Settings s;
   s.stiffening_exponent = config.stiffening_exponent();
@@ -148,7 +190,13 @@ Settings settings_from(const v1::MeshMoverConfig& config) {
   for (const auto& boundary : config.boundary()) s.boundaries.push_back(boundary_settings(boundary, config));
   s.tolerance = config.tolerance();
   s.max_iterations = config.max_iterations();
-  s.smallest_volume_ratio = config.smallest_volume_ratio();
+  if (config.has_stiff_layers())
+    s.stiff_layers = {config.stiff_layers().layers(), config.stiff_layers().factor()};
+  s.linear_solver = linear_solver_from(config.linear_solver());
+  s.warn = limits_from(config.warn());
+  s.stop = limits_from(config.stop());
+  s.stop.min_volume_ratio = config.smallest_volume_ratio();
+  s.max_sub_increments = config.max_sub_increments();
   s.step = config.step();
   s.steps = config.steps();
   s.output = {config.output().directory(), config.output().field_interval(),

@@ -9,11 +9,20 @@
 #include "common/base/role.hpp"
 #include "common/config/expression.hpp"
 #include "common/mesh/mesh.hpp"
+#include "mesh_mover/quality.hpp"
 
 namespace drogue::mesh_mover {
 
 /// What the stiffness of a step is taken from; see the config schema.
 enum class Increment { from_last_step, from_initial };
+
+enum class LinearSolverKind { automatic, direct, iterative };
+
+/// Elements around the displaced boundaries, so many layers deep, are stiffer by a factor.
+struct StiffLayers {
+  int layers = 0;
+  double factor = 1;
+};
 
 /// In the order of precedence where boundaries meet: an edge follows the first.
 enum class Condition { displacement, fixed, translated, sliding };
@@ -40,9 +49,13 @@ struct Settings {
   double poisson_ratio = 0.3;
   Increment increment = Increment::from_last_step;
   std::vector<Boundary> boundaries;
+  StiffLayers stiff_layers;
+  LinearSolverKind linear_solver = LinearSolverKind::automatic;
   double tolerance = 1e-4;
   int max_iterations = 1000;
-  double smallest_volume_ratio = 0.01;
+  Limits warn;
+  Limits stop = {.min_volume_ratio = 0.01};
+  int max_sub_increments = 1;
   double step = 0; ///< stand-alone [time]
   int steps = 0;
   OutputSettings output;

@@ -26,7 +26,7 @@ Result<void> run_standalone(Case input) {
   MeshMover& mover = **created;
   auto results = Results::create(settings.output);
   if (!results) return results.error();
-  spdlog::info("{} nodes, {} tetrahedra", mover.mesh().node_count(), mover.tets().size() / 4);
+  spdlog::info("{} nodes, {} {}", mover.mesh().node_count(), mover.cells().count(), mover.cells().plural());
   SolveReport start;
   start.quality = mover.current_quality();
   DROGUE_TRY(results->write(mover, 0, 0, start, settings.steps == 0));
@@ -39,10 +39,11 @@ Result<void> run_standalone(Case input) {
       return error;
     }
     const Quality& q = report->quality;
-    spdlog::info("step {} time {:.6g}: {} iterations, residual {:.2e}, smallest volume {:.3g} of the initial "
-                 "one, worst "
-                 "mean ratio {:.3g}",
-                 step, time, report->iterations, report->residual, q.min_volume_ratio, q.worst_mean_ratio);
+    spdlog::info(
+        "step {} time {:.6g}: {} iterations, residual {:.2e}, {} sub-increments, smallest volume {:.3g} of "
+        "the initial one, worst mean ratio {:.3g}, f_A {:.3g}, f_AR {:.3g}",
+        step, time, report->iterations, report->residual, report->sub_increments, q.min_volume_ratio,
+        q.worst_mean_ratio, q.f_A, q.f_AR);
     const bool stop = interrupted();
     DROGUE_TRY(results->write(mover, static_cast<std::uint64_t>(step), time, *report,
                               stop || step == settings.steps));

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "mesh_mover/cells.hpp"
 #include "mesh_mover/coarse_space.hpp"
 #include "mesh_mover/pseudo_solid.hpp"
 
@@ -14,11 +15,13 @@ namespace drogue::mesh_mover {
 /// and columns are those of the identity, so that the matrix stays symmetric and positive definite.
 ///
 /// Displacements and loads are in the order of the nodes; the rows of the matrix have a numbering of their
-/// own (numbering.hpp), to_rows() and to_nodes() translate.
+/// own (numbering.hpp), to_rows() and to_nodes() translate. In two dimensions the third component of every
+/// node is given.
 class Stiffness {
  public:
-  /// Finds the sparsity and the place of every element's blocks. `tets` {m, 4} must outlive this object.
-  Stiffness(std::span<const std::int32_t> tets, Mask given);
+  /// Finds the sparsity and the place of every element's blocks. `cells` must outlive this object.
+  /// @param factors of the elements' stiffness {m}; empty: one
+  Stiffness(const Cells& cells, Mask given, std::vector<double> factors = {});
 
   /// Assembles on the mesh `points` {n, 3}. @pre all elements have positive volume
   void assemble(const PseudoSolid& solid, std::span<const double> points);
@@ -40,19 +43,27 @@ class Stiffness {
  private:
   struct BoundaryElement {
     std::size_t index = 0;
-    Eigen::Matrix<double, 3, 4> gradients = Eigen::Matrix<double, 3, 4>::Zero();
+    Eigen::Matrix<double, 3, 4> gradients = Eigen::Matrix<double, 3, 4>::Zero(); // those of its nodes first
     double weight = 0;
   };
   void find_places();
+  template <int D>
+  void assemble_cells(const PseudoSolid& solid, std::span<const double> points);
+  template <int D>
   void add_element(const PseudoSolid& solid, std::span<const double> points, std::size_t e);
+  template <int D>
+  [[nodiscard]] double weight(const PseudoSolid& solid, double jacobian, std::size_t e) const noexcept {
+    return stiffness_weight<D>(solid, jacobian) * (factors_.empty() ? 1 : factors_[e]);
+  }
 
-  std::span<const std::int32_t> tets_;
+  const Cells& cells_;
+  std::vector<double> factors_;
   Mask given_;
-  std::vector<std::int32_t> row_of_;   // of each node
-  std::vector<std::int32_t> tet_rows_; // {m, 4}: rows of the nodes of every element
+  std::vector<std::int32_t> row_of_;    // of each node
+  std::vector<std::int32_t> cell_rows_; // {m, dimension + 1}: rows of the nodes of every element
   Mask given_rows_;
   SymmetricBlocks<double> matrix_;
-  std::vector<std::int32_t> places_; // {m, 10}: where the blocks of nodes a >= b of an element stand
+  std::vector<std::int32_t> places_;               // where the blocks of nodes a >= b of every element stand
   std::vector<BoundaryElement> boundary_elements_; // those with a given component
   PseudoSolid solid_;                              // of the last assembly
 };

@@ -8,6 +8,7 @@
 #include "common/mesh/msh.hpp"
 #include "coupler/launcher/process.hpp"
 #include "tests/mesh_mover/box_mesh.hpp"
+#include "tests/mesh_mover/plane_mesh.hpp"
 #include "tests/support/coupled_case.hpp"
 
 namespace drogue::test {
@@ -31,11 +32,13 @@ std::vector<fs::path> invalid_files() {
   return files;
 }
 
-/// box.msh: a box of tetrahedra with sides x0 ... z1; patch.msh: a membrane "canopy" and a cable "line".
+/// box.msh: a box of tetrahedra with sides x0 ... z1; plane.msh: a rectangle of triangles with sides x0 ...
+/// y1; patch.msh: a membrane "canopy" and a cable "line".
 void write_meshes(const fs::path& folder) {
   const auto grid = uniform(0, 1, 2);
   ASSERT_TRUE(
       mesh::write_msh(folder / "box.msh", box_mesh({grid, grid, grid}, [](int, int, int) { return false; })));
+  ASSERT_TRUE(mesh::write_msh(folder / "plane.msh", plane_mesh(grid, grid, [](int, int) { return false; })));
   mesh::Mesh patch;
   patch.points = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, -1};
   patch.blocks = {{"canopy", mesh::ElementKind::tri3, {0, 1, 2, 0, 2, 3}},

@@ -2,7 +2,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "mesh_mover/conjugate_gradient.hpp"
+#include "mesh_mover/linear_solver.hpp"
 #include "mesh_mover/numbering.hpp"
 #include "mesh_mover/stiffness.hpp"
 #include "tests/mesh_mover/box_mesh.hpp"
@@ -15,14 +15,14 @@ using Vector = Eigen::VectorXd;
 /// The stiffness of a graded cube, held at x0 in all components and on y0 in y alone.
 struct Problem {
   mesh::Mesh mesh;
-  std::vector<std::int32_t> tets;
+  Cells cells;
   Stiffness stiffness;
 
   explicit Problem(int n)
       : mesh(test::box_mesh({test::graded(1, n, 1.4), test::graded(1, n, 1.4), test::graded(1, n, 1.4)},
                             [](int, int, int) { return false; })),
-        tets(mesh.blocks.back().nodes),
-        stiffness(tets, mask(mesh)) {
+        cells(cells_of(mesh)),
+        stiffness(cells, mask(mesh)) {
     stiffness.assemble(pseudo_solid(0.3, 1, 1), mesh.points);
   }
   static Mask mask(const mesh::Mesh& mesh) {
@@ -86,7 +86,7 @@ TEST(Stiffness, MultipliesLikeTheDenseMatrix) {
 // The free unknowns under a displaced boundary: A u = load must be the full problem's equilibrium.
 TEST(Stiffness, BoundaryLoadBalancesTheGivenDisplacement) {
   const Problem problem(2);
-  const Stiffness all_free(problem.tets, Mask(problem.A().rows(), 0));
+  const Stiffness all_free(problem.cells, Mask(problem.A().rows(), 0));
   Stiffness free = all_free;
   free.assemble(pseudo_solid(0.3, 1, 1), problem.mesh.points);
   Vector u = some_vector(problem.size());
@@ -109,15 +109,15 @@ TEST(Stiffness, BoundaryLoadBalancesTheGivenDisplacement) {
 TEST(Numbering, BringsNeighboursTogether) {
   const Problem problem(5);
   const auto n = problem.A().rows();
-  auto shuffled = problem.tets;
-  for (auto& node : shuffled) node = static_cast<std::int32_t>(static_cast<std::size_t>(node) * 7 % n);
+  auto shuffled = problem.cells;
+  for (auto& node : shuffled.nodes) node = static_cast<std::int32_t>(static_cast<std::size_t>(node) * 7 % n);
   ASSERT_NE(n % 7, 0U); // or the shuffle would join nodes
-  const auto bandwidth = [](std::span<const std::int32_t> tets, const std::vector<std::int32_t>& number) {
+  const auto bandwidth = [](const Cells& cells, const std::vector<std::int32_t>& number) {
     std::int32_t widest = 0;
-    for (std::size_t k = 0; k < tets.size(); k += 4)
-      for (std::size_t a = 1; a < 4; ++a)
-        widest = std::max(widest, std::abs(number[static_cast<std::size_t>(tets[k])] -
-                                           number[static_cast<std::size_t>(tets[k + a])]));
+    for (std::size_t e = 0; e < cells.count(); ++e)
+      for (const std::int32_t node : cells.cell(e))
+        widest = std::max(widest, std::abs(number[static_cast<std::size_t>(cells.cell(e)[0])] -
+                                           number[static_cast<std::size_t>(node)]));
     return widest;
   };
   auto number = reverse_cuthill_mckee(shuffled, n);
@@ -129,7 +129,7 @@ TEST(Numbering, BringsNeighboursTogether) {
 
 // On a pattern without fill the incomplete factors are the complete ones.
 TEST(IncompleteCholesky, IsExactWithoutFill) {
-  const std::vector<std::int32_t> one_tet = {0, 1, 2, 3};
+  const Cells one_tet = {3, {0, 1, 2, 3}};
   auto A = lower_pattern(one_tet, 4);
   const Vector v = some_vector(144);
   const Eigen::Map<const Eigen::Matrix<double, 12, 12>> R(v.data());
@@ -147,7 +147,7 @@ TEST(IncompleteCholesky, IsExactWithoutFill) {
 }
 
 TEST(IncompleteCholesky, ShiftsWhereAPivotIsNotPositive) {
-  const std::vector<std::int32_t> one_tet = {0, 1, 2, 3};
+  const Cells one_tet = {3, {0, 1, 2, 3}};
   auto A = lower_pattern(one_tet, 4);
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t k = A.begin(i); k <= A.diagonal(i); ++k)
@@ -174,6 +174,25 @@ TEST(ConjugateGradient, SolvesToTheTolerance) {
   EXPECT_TRUE(outcome->converged);
   EXPECT_LT((x - exact).norm(), 1e-9 * exact.norm());
   EXPECT_LT(outcome->iterations, 100);
+}
+
+// Direct factors and the iteration find the same.
+TEST(LinearSolver, DirectAndIterativeAgree) {
+  const Problem problem(4);
+  const Vector b = some_vector(problem.size());
+  Vector x[2];
+  for (const bool direct : {false, true}) {
+    LinearSolver solver(problem.A(), problem.stiffness.given_rows(), 3,
+                        direct ? LinearSolverKind::direct : LinearSolverKind::iterative);
+    EXPECT_EQ(solver.is_direct(), direct);
+    ASSERT_TRUE(solver.update().ok());
+    x[direct] = Vector::Zero(problem.size());
+    const auto outcome = solver.solve({b.data(), static_cast<std::size_t>(b.size())}, span_of(x[direct]),
+                                      1e-12 * b.norm(), 1000);
+    ASSERT_TRUE(outcome.ok());
+    EXPECT_TRUE(outcome->converged);
+  }
+  EXPECT_LT((x[0] - x[1]).norm(), 1e-9 * x[1].norm());
 }
 
 // The coarse level carries a rigid translation through the whole mesh without an iteration.

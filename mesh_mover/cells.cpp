@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_mover/cells.hpp"
+
+#include <algorithm>
+
+#include "mesh_mover/pseudo_solid.hpp"
+
+namespace drogue::mesh_mover {
+namespace {
+
+std::vector<std::int32_t> all_of(const mesh::Mesh& mesh, mesh::ElementKind kind) {
+  std::vector<std::int32_t> nodes;
+  for (const auto& block : mesh.blocks)
+    if (block.kind == kind) nodes.insert(nodes.end(), block.nodes.begin(), block.nodes.end());
+  return nodes;
+}
+
+bool in_one_plane(const mesh::Mesh& mesh, std::span<const std::int32_t> nodes) {
+  const auto z = [&](std::int32_t node) { return mesh.points[3 * static_cast<std::size_t>(node) + 2]; };
+  return std::all_of(nodes.begin(), nodes.end(), [&](std::int32_t node) { return z(node) == z(nodes[0]); });
+}
+
+bool all_clockwise(const mesh::Mesh& mesh, const Cells& cells) {
+  for (std::size_t e = 0; e < cells.count(); ++e)
+    if (!(simplex_jacobian<2>(mesh.points, cells.cell(e)) < 0)) return false;
+  return true;
+}
+
+} // namespace
+
+Cells cells_of(const mesh::Mesh& mesh) {
+  Cells cells{3, all_of(mesh, mesh::ElementKind::tet4)};
+  if (!cells.nodes.empty()) return cells;
+  auto triangles = all_of(mesh, mesh::ElementKind::tri3);
+  if (triangles.empty() || !in_one_plane(mesh, triangles)) return cells;
+  cells = {2, std::move(triangles)};
+  if (all_clockwise(mesh, cells))
+    for (std::size_t k = 0; k < cells.nodes.size(); k += 3) std::swap(cells.nodes[k + 1], cells.nodes[k + 2]);
+  return cells;
+}
+
+std::array<double, 3> centroid(std::span<const double> points, std::span<const std::int32_t> nodes) noexcept {
+  std::array<double, 3> c{};
+  for (const std::int32_t node : nodes)
+    for (std::size_t i = 0; i < 3; ++i)
+      c[i] += points[3 * static_cast<std::size_t>(node) + i] / static_cast<double>(nodes.size());
+  return c;
+}
+
+} // namespace drogue::mesh_mover

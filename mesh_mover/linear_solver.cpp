@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "mesh_mover/linear_solver.hpp"
+
+namespace drogue::mesh_mover {
+namespace {
+
+/// Nodes up to which direct factors are quicker. In three dimensions a factorisation grows with the square of
+/// the nodes.
+constexpr std::size_t largest_direct_2d = 300'000;
+constexpr std::size_t largest_direct_3d = 2'000;
+
+bool is_direct_kind(LinearSolverKind kind, std::size_t nodes, int dimension) {
+  switch (kind) {
+  case LinearSolverKind::direct:
+    return true;
+  case LinearSolverKind::iterative:
+    return false;
+  case LinearSolverKind::automatic:
+    break;
+  }
+  return nodes <= (dimension == 2 ? largest_direct_2d : largest_direct_3d);
+}
+
+} // namespace
+
+LinearSolver::LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension,
+                           LinearSolverKind kind)
+    : solver_(is_direct_kind(kind, A.rows(), dimension)
+                  ? std::variant<ConjugateGradient, DirectSolver>(std::in_place_type<DirectSolver>, A, given)
+                  : std::variant<ConjugateGradient, DirectSolver>(std::in_place_type<ConjugateGradient>, A,
+                                                                  given)) {}
+
+Result<void> LinearSolver::update() {
+  return std::visit([](auto& solver) { return solver.update(); }, solver_);
+}
+
+Result<SolveOutcome> LinearSolver::solve(std::span<const double> b, std::span<double> x, double tolerance,
+                                         int max_iterations) {
+  if (auto* iterative = std::get_if<ConjugateGradient>(&solver_))
+    return iterative->solve(b, x, tolerance, max_iterations);
+  DROGUE_TRY(std::get<DirectSolver>(solver_).solve(b, x));
+  return SolveOutcome{true, 1, 0};
+}
+
+} // namespace drogue::mesh_mover

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <variant>
+
+#include "mesh_mover/conjugate_gradient.hpp"
+#include "mesh_mover/direct_solver.hpp"
+#include "mesh_mover/settings.hpp"
+
+namespace drogue::mesh_mover {
+
+/// The one place where systems of the pseudo-solid are solved: by direct factors or by iteration.
+class LinearSolver {
+ public:
+  /// `A` and `given` must outlive this object.
+  /// @param kind LinearSolverKind::automatic: direct in two dimensions, and for small meshes in three
+  LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension, LinearSolverKind kind);
+
+  [[nodiscard]] bool is_direct() const { return std::holds_alternative<DirectSolver>(solver_); }
+  /// The matrix has new values.
+  [[nodiscard]] Result<void> update();
+  /// Solves A x = b; an iteration starts from x and ends when the residual's Euclidean norm is at most
+  /// `tolerance`. `b` and `x` {3 rows}.
+  [[nodiscard]] Result<SolveOutcome> solve(std::span<const double> b, std::span<double> x, double tolerance,
+                                           int max_iterations);
+
+ private:
+  std::variant<ConjugateGradient, DirectSolver> solver_;
+};
+
+} // namespace drogue::mesh_mover
