@@ -5,8 +5,10 @@
 #include <cmath>
 #include <type_traits>
 
+#include "fluid_solver/kernel_isa.hpp"
+
 /// Numbers of the element kernels: double, or eight elements at a time.
-namespace drogue::fluid {
+namespace drogue::fluid::inline DROGUE_ISA {
 
 /// Eight doubles, one a lane: eight elements assembled at once. Compilers split it where registers are
 /// shorter.
@@ -42,4 +44,4 @@ template <class Real>
   return a > b ? a : b;
 }
 
-} // namespace drogue::fluid
+} // namespace drogue::fluid::inline DROGUE_ISA

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "common/la_krylov/block_matrix.hpp"
+#include "fluid_solver/flow_parameters.hpp"
 #include "fluid_solver/fluid_mesh.hpp"
-#include "fluid_solver/stabilisation.hpp"
 #include "fluid_solver/step_data.hpp"
 
 namespace drogue::fluid {

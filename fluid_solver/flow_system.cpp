@@ -99,6 +99,7 @@ class BlockFlowSystem final : public FlowSystem {
     if (!amg) return amg.error();
     amg_.emplace(std::move(*amg));
     ilu_.emplace(pattern_);
+    pressure_rows_.emplace(pattern_);
     auto krylov = la::KrylovSolver::create(
         own_.size() * n, [this](auto in, auto out) { multiply(in, out); },
         [this](auto in, auto out) { precondition(in, out); }, settings_.linear);
@@ -167,6 +168,7 @@ class BlockFlowSystem final : public FlowSystem {
       if (!factored) return factored.error();
       regular = *factored;
     } else {
+      pressure_rows_->copy(matrix_);
       regular = la::on_every_rank(!ilu_->factor(matrix_).has_value());
     }
     if (!regular) return retryable_error("the flow Jacobian is singular: the mesh or the state is unusable");
@@ -201,7 +203,7 @@ class BlockFlowSystem final : public FlowSystem {
     ilu_->apply(r.data(), z.data());
     // 2. what is left of the pressure rows
     exchange(z);
-    matrix_.fourth_row_defect(r.data(), local_.data(), defect_.data());
+    pressure_rows_->defect(r.data(), local_.data(), defect_.data());
     // 3. pressure Schur complement
     for (std::size_t q = 0; q < levels; ++q) {
       for (std::size_t i = 0; i < rows(); ++i) {
@@ -226,8 +228,9 @@ class BlockFlowSystem final : public FlowSystem {
   OpenBoundary open_;
   SlipProjection<n> slip_;
   la::BlockMatrix<n> matrix_;
-  std::optional<DirectSolution<n>> direct_; ///< this, or the three after it
+  std::optional<DirectSolution<n>> direct_; ///< this, or the four after it
   std::optional<la::BlockIlu<n>> ilu_;
+  std::optional<la::FourthRows<n>> pressure_rows_;
   std::optional<la::PoissonAmg> amg_;
   std::optional<la::KrylovSolver> krylov_;
   FlowParameters parameters_;

@@ -22,7 +22,7 @@
 /// m = dim + 1 nodes int N_a = V/m, int N_a N_b = V/(m (m + 1)) (1 + delta_ab). No quadrature error in space.
 ///
 /// The tangent is that of F, C, Ft with the coefficients nu, tau and tau_lsic held.
-namespace drogue::fluid {
+namespace drogue::fluid::inline DROGUE_ISA {
 
 /// Nodal values at the instant.
 template <int dim, class Real>
@@ -194,4 +194,4 @@ inline void instant_tangent(const Instant<dim, Real>& s, int a, int b,
   t.time_rate = tau_mass;
 }
 
-} // namespace drogue::fluid
+} // namespace drogue::fluid::inline DROGUE_ISA

@@ -7,7 +7,7 @@
 /// without an equation in two dimensions. Terms and references: instant.hpp, with du/dt = rate u_{n+1} + h,
 /// h the part of the difference formula that is known: backward Euler or the two-step formula
 /// (time_difference.hpp).
-namespace drogue::fluid {
+namespace drogue::fluid::inline DROGUE_ISA {
 
 template <int dim, class Real>
 struct SemiDiscreteValues {
@@ -56,4 +56,4 @@ inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, doubl
   }
 }
 
-} // namespace drogue::fluid
+} // namespace drogue::fluid::inline DROGUE_ISA

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-namespace drogue::fluid {
+#include "fluid_solver/kernel_isa.hpp"
+
+namespace drogue::fluid::inline DROGUE_ISA {
 
 /// A linear triangle (dim = 2) or tetrahedron (dim = 3) at one instant: the gradients of its shape functions
 /// [1/length] and its volume, in two dimensions its area.
@@ -57,4 +59,4 @@ template <class Real>
   return geometry;
 }
 
-} // namespace drogue::fluid
+} // namespace drogue::fluid::inline DROGUE_ISA

@@ -2,18 +2,10 @@
 #pragma once
 
 #include "fluid_solver/batch.hpp"
+#include "fluid_solver/flow_parameters.hpp"
 #include "fluid_solver/simplex_geometry.hpp"
 
-namespace drogue::fluid {
-
-/// What the element kernels need besides nodal values.
-struct FlowParameters {
-  double dt = 0;          ///< time step [time]
-  double nu = 0;          ///< molecular kinematic viscosity [length^2/time]
-  double smagorinsky = 0; ///< Cs; 0 switches the model off
-  bool lsic = true;
-  double tau_dt = 0; ///< time step in tau [time]; dt unless a study of the order in time holds it
-};
+namespace drogue::fluid::inline DROGUE_ISA {
 
 /// Element coefficients at one instant. The tangent holds them constant.
 template <class Real>
@@ -82,4 +74,4 @@ struct StandardCoefficients {
   }
 };
 
-} // namespace drogue::fluid
+} // namespace drogue::fluid::inline DROGUE_ISA

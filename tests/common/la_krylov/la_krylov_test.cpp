@@ -82,7 +82,7 @@ void expect_ilu_is_exact_without_fill() {
   std::vector<double> z(x.size());
   A.multiply(x.data(), b.data());
   ilu.apply(b.data(), z.data());
-  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(z[i], x[i], 2e-6);
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(z[i], x[i], 1e-2); // 8 bits of mantissa
 }
 
 TEST(BlockIlu, IsExactForABlockTridiagonalMatrix) {
@@ -100,7 +100,7 @@ TEST(BlockIlu, NamesTheRowOfASingularPivot) {
   EXPECT_EQ(ilu.factor(A), 3);
 }
 
-TEST(BlockMatrix, DefectOfTheFourthRowsIsThatOfTheProduct) {
+TEST(FourthRows, DefectOfTheFourthRowsIsThatOfTheProduct) {
   const LocalPattern pattern = local_pattern(chain(6), {0, 6});
   BlockMatrix<8> A(pattern);
   fill(A);
@@ -109,7 +109,9 @@ TEST(BlockMatrix, DefectOfTheFourthRowsIsThatOfTheProduct) {
   std::vector<double> y(48);
   std::vector<double> defect(12);
   A.multiply(x.data(), y.data());
-  A.fourth_row_defect(r.data(), x.data(), defect.data());
+  FourthRows<8> rows(pattern);
+  rows.copy(A);
+  rows.defect(r.data(), x.data(), defect.data());
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t q = 0; q < 2; ++q) EXPECT_NEAR(defect[2 * i + q], 2.0 - y[8 * i + 4 * q + 3], 1e-12);
 }

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compiled once for each instruction set: drogue_kernels in cmake/targets.cmake.
+#include "common/la_krylov/block_kernels.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace drogue::la::DROGUE_ISA {
+namespace {
+
+/// n values side by side, readable at any address.
+template <class T, int n>
+struct ColumnOf {
+  using type __attribute__((vector_size(sizeof(T) * n), aligned(sizeof(T)), may_alias)) = T;
+};
+template <class T, int n>
+using Column = typename ColumnOf<T, n>::type;
+
+template <int n, class T>
+const Column<T, n>& column(const T* block, int j) {
+  return *reinterpret_cast<const Column<T, n>*>(block + j * n);
+}
+template <int n, class T>
+Column<T, n>& column(T* block, int j) {
+  return *reinterpret_cast<Column<T, n>*>(block + j * n);
+}
+
+/// Column j of a block of upper halves.
+template <int n>
+Column<float, n> expanded(const std::uint16_t* block, int j) {
+  const auto bits = __builtin_convertvector(column<n>(block, j), Column<std::uint32_t, n>) << 16;
+  Column<float, n> values;
+  std::memcpy(&values, &bits, sizeof(values));
+  return values;
+}
+
+/// Inverts a column-major block in double precision with partial pivoting. False when it is singular.
+template <int n>
+bool invert(const float* block, float* inverse) {
+  double a[n][2 * n] = {};
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) a[i][j] = static_cast<double>(block[j * n + i]);
+    a[i][n + i] = 1;
+  }
+  for (int k = 0; k < n; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < n; ++i)
+      if (std::fabs(a[i][k]) > std::fabs(a[pivot][k])) pivot = i;
+    if (!(std::fabs(a[pivot][k]) > 0) || !std::isfinite(a[pivot][k])) return false;
+    for (int j = 0; j < 2 * n && pivot != k; ++j) {
+      const double keep = a[pivot][j];
+      a[pivot][j] = a[k][j];
+      a[k][j] = keep;
+    }
+    const double scale = 1.0 / a[k][k];
+    for (double& value : a[k]) value *= scale;
+    for (int i = 0; i < n; ++i) {
+      if (i == k) continue;
+      const double factor = a[i][k];
+      for (int j = k; j < 2 * n; ++j) a[i][j] -= factor * a[k][j];
+    }
+  }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) inverse[j * n + i] = static_cast<float>(a[i][n + j]);
+  return true;
+}
+
+template <int n>
+void multiply(const BlockRows& p, const float* A, const double* x, double* y) noexcept {
+  using Wide = Column<double, n>;
+  const float* b = A;
+  for (std::int32_t i = 0; i < p.rows; ++i) {
+    Wide even{};
+    Wide odd{};
+    for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k, b += n * n) {
+      const double* xj = x + static_cast<std::ptrdiff_t>(p.column[k]) * n;
+      for (int j = 0; j < n; j += 2) {
+        even += __builtin_convertvector(column<n>(b, j), Wide) * xj[j];
+        odd += __builtin_convertvector(column<n>(b, j + 1), Wide) * xj[j + 1];
+      }
+    }
+    column<n>(y, i) = even + odd;
+  }
+}
+
+template <int n>
+void copy_fourth_rows(std::size_t entries, const float* A, float* rows) noexcept {
+  for (std::size_t k = 0; k < entries; ++k, A += n * n)
+    for (int q = 0; q < n / 4; ++q)
+      for (int j = 0; j < n; ++j) *rows++ = A[j * n + 4 * q + 3];
+}
+
+template <int n>
+void fourth_row_defect(const BlockRows& p, const float* fourth_rows, const double* r, const double* x,
+                       double* out) noexcept {
+  using Wide = Column<double, n>;
+  const float* b = fourth_rows;
+  for (std::int32_t i = 0; i < p.rows; ++i) {
+    Wide sum[n / 4] = {};
+    for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k, b += n * n / 4) {
+      const Wide xj = column<n>(x, p.column[k]);
+      for (int q = 0; q < n / 4; ++q) sum[q] += __builtin_convertvector(column<n>(b, q), Wide) * xj;
+    }
+    for (int q = 0; q < n / 4; ++q) {
+      double total = 0;
+      for (int j = 0; j < n; ++j) total += sum[q][j];
+      out[static_cast<std::ptrdiff_t>(i) * (n / 4) + q] =
+          r[static_cast<std::ptrdiff_t>(i) * n + 4 * q + 3] - total;
+    }
+  }
+}
+
+template <int n>
+std::int32_t factor(const BlockRows& p, float* A, std::int32_t* position) noexcept {
+  const auto block = [&](std::int32_t k) { return A + static_cast<std::ptrdiff_t>(k) * n * n; };
+  for (std::int32_t i = 0; i < p.rows; ++i) {
+    for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k) position[p.column[k]] = k;
+    for (std::int32_t k = p.row_start[i]; k < p.diagonal[i]; ++k) {
+      const std::int32_t j = p.column[k];
+      // 1. L_ij = A_ij D_jj^-1
+      alignas(64) float l[n * n];
+      for (int c = 0; c < n; ++c) {
+        Column<float, n> sum{};
+        for (int q = 0; q < n; ++q) sum += column<n>(block(k), q) * block(p.diagonal[j])[c * n + q];
+        column<n>(l, c) = sum;
+      }
+      std::memcpy(block(k), l, sizeof(l));
+      // 2. A_im -= L_ij U_jm on the pattern
+      for (std::int32_t m = p.diagonal[j] + 1; m < p.row_start[j + 1] && p.column[m] < p.rows; ++m) {
+        const std::int32_t at = position[p.column[m]];
+        if (at < 0) continue;
+        const float* u = block(m);
+        float* target = block(at);
+        for (int c = 0; c < n; ++c) {
+          Column<float, n> sum = column<n>(target, c);
+          for (int q = 0; q < n; ++q) sum -= column<n>(l, q) * u[c * n + q];
+          column<n>(target, c) = sum;
+        }
+      }
+    }
+    // 3. the inverse of the pivot takes its place
+    float inverse[n * n];
+    const bool regular = invert<n>(block(p.diagonal[i]), inverse);
+    if (regular) std::memcpy(block(p.diagonal[i]), inverse, sizeof(inverse));
+    for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k) position[p.column[k]] = -1;
+    if (!regular) return i;
+  }
+  return -1;
+}
+
+template <int n>
+void solve(const BlockRows& p, const std::uint16_t* LU, const double* r, float* x, double* z) noexcept {
+  using Vector = Column<float, n>;
+  for (std::int32_t i = 0; i < p.rows; ++i) {
+    Vector even = __builtin_convertvector(column<n>(r, i), Vector);
+    Vector odd{};
+    const std::uint16_t* b = LU + static_cast<std::ptrdiff_t>(p.row_start[i]) * n * n;
+    for (std::int32_t k = p.row_start[i]; k < p.diagonal[i]; ++k, b += n * n) {
+      const float* xj = x + static_cast<std::ptrdiff_t>(p.column[k]) * n;
+      for (int j = 0; j < n; j += 2) {
+        even -= expanded<n>(b, j) * xj[j];
+        odd -= expanded<n>(b, j + 1) * xj[j + 1];
+      }
+    }
+    column<n>(x, i) = even + odd;
+  }
+  for (std::int32_t i = p.rows - 1; i >= 0; --i) {
+    Vector even = column<n>(x, i);
+    Vector odd{};
+    const std::uint16_t* pivot = LU + static_cast<std::ptrdiff_t>(p.diagonal[i]) * n * n;
+    const std::uint16_t* b = pivot + n * n;
+    for (std::int32_t k = p.diagonal[i] + 1; k < p.row_start[i + 1] && p.column[k] < p.rows;
+         ++k, b += n * n) {
+      const float* xj = x + static_cast<std::ptrdiff_t>(p.column[k]) * n;
+      for (int j = 0; j < n; j += 2) {
+        even -= expanded<n>(b, j) * xj[j];
+        odd -= expanded<n>(b, j + 1) * xj[j + 1];
+      }
+    }
+    even += odd;
+    Vector solved{};
+    for (int j = 0; j < n; ++j) solved += expanded<n>(pivot, j) * even[j];
+    column<n>(x, i) = solved;
+    column<n>(z, i) = __builtin_convertvector(solved, Column<double, n>);
+  }
+}
+
+} // namespace
+
+const BlockKernels<4> block_kernels_4{multiply<4>, copy_fourth_rows<4>, fourth_row_defect<4>, factor<4>,
+                                      solve<4>};
+const BlockKernels<8> block_kernels_8{multiply<8>, copy_fourth_rows<8>, fourth_row_defect<8>, factor<8>,
+                                      solve<8>};
+
+} // namespace drogue::la::DROGUE_ISA

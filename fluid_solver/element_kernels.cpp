@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compiled once for each instruction set: drogue_kernels in cmake/targets.cmake.
+#include "fluid_solver/element_kernels.hpp"
+
+#include "fluid_solver/batch.hpp"
+#include "fluid_solver/semi_discrete_element.hpp"
+#include "fluid_solver/space_time_element.hpp"
+
+namespace drogue::fluid::inline DROGUE_ISA {
+namespace {
+
+/// Lane l of to[a][i] from from[stride nodes[(dim + 1) l + a] + i], i < n.
+template <int dim, int n, int stride>
+inline void gather(const std::int32_t* nodes, const double* from, Batch to[dim + 1][n]) noexcept {
+  for (int l = 0; l < batch_size; ++l)
+    for (int a = 0; a <= dim; ++a) {
+      const double* values = from + static_cast<std::size_t>(nodes[(dim + 1) * l + a]) * stride;
+      for (int i = 0; i < n; ++i) to[a][i][l] = values[i];
+    }
+}
+
+template <int dim, int n>
+inline void scatter(const std::int32_t* rows, const Batch from[dim + 1][n], double* residual) noexcept {
+  for (int l = 0; l < batch_size; ++l)
+    for (int a = 0; a <= dim; ++a) {
+      const std::int32_t row = rows[(dim + 1) * l + a];
+      if (row < 0) continue;
+      double* to = residual + static_cast<std::size_t>(row) * n;
+      for (int i = 0; i < n; ++i) to[i] += from[a][i][l];
+    }
+}
+
+/// Adds block (a, b) of eight elements to the matrix.
+template <int dim, int n>
+struct MatrixSink {
+  const std::int32_t* entry;
+  const double* scale; ///< {n * n}
+  la::BlockMatrix<n>* matrix;
+
+  void operator()(int a, int b, const Batch* block) const noexcept {
+    alignas(64) double lanes[n * n * batch_size];
+    for (int q = 0; q < n * n; ++q) {
+      const Batch scaled = block[q] * scale[q];
+      __builtin_memcpy(lanes + q * batch_size, &scaled, sizeof(scaled));
+    }
+    constexpr int nodes = dim + 1;
+    for (int l = 0; l < batch_size; ++l) {
+      const std::int32_t position = entry[nodes * nodes * l + nodes * a + b];
+      if (position < 0) continue;
+      float* to = matrix->block(position);
+      for (int q = 0; q < n * n; ++q) to[q] += static_cast<float>(lanes[q * batch_size + l]);
+    }
+  }
+};
+
+template <int dim>
+inline void load(const StepData& data, const std::int32_t* nodes,
+                 SemiDiscreteValues<dim, Batch>& in) noexcept {
+  gather<dim, dim, 3>(nodes, data.x_np1.data(), in.x);
+  gather<dim, dim, 3>(nodes, data.history.data(), in.history);
+  gather<dim, dim, 3>(nodes, data.f_np1.data(), in.f);
+  gather<dim, 4, 4>(nodes, data.unknowns.data(), in.w);
+}
+
+template <int dim>
+inline void load(const StepData& data, const std::int32_t* nodes, SpaceTimeValues<dim, Batch>& in) noexcept {
+  gather<dim, dim, 3>(nodes, data.x_n.data(), in.x_n);
+  gather<dim, dim, 3>(nodes, data.x_np1.data(), in.x_np1);
+  gather<dim, dim, 3>(nodes, data.u_n.data(), in.u_n);
+  gather<dim, dim, 3>(nodes, data.f_n.data(), in.f_n);
+  gather<dim, dim, 3>(nodes, data.f_np1.data(), in.f_np1);
+  gather<dim, 8, 8>(nodes, data.unknowns.data(), in.w);
+}
+
+/// What a formulation adds up on an element; time_points: quadrature points in time of DSD/SST.
+template <int dim, int unknowns, int time_points>
+struct Element;
+
+template <int dim>
+struct Element<dim, 4, 1> {
+  using Values = SemiDiscreteValues<dim, Batch>;
+  template <bool tangent, class Sink>
+  static void evaluate(const Values& in, const StepData& data, const StandardCoefficients& rule,
+                       Batch residual[dim + 1][4], Sink&& sink) noexcept {
+    semi_discrete_element<tangent>(in, data.rate, rule, residual, sink);
+  }
+};
+template <int dim, int time_points>
+struct Element<dim, 8, time_points> {
+  using Values = SpaceTimeValues<dim, Batch>;
+  template <bool tangent, class Sink>
+  static void evaluate(const Values& in, const StepData& data, const StandardCoefficients& rule,
+                       Batch residual[dim + 1][8], Sink&& sink) noexcept {
+    space_time_element<tangent, time_points>(in, data.dt, rule, residual, sink);
+  }
+};
+
+template <int dim, int n, int time_points>
+void add_all(const LocalElements& elements, const StepData& data, const FlowParameters& parameters,
+             const double* block_scale, double* residual, la::BlockMatrix<n>* jacobian) noexcept {
+  const StandardCoefficients rule{parameters};
+  using Kernel = Element<dim, n, time_points>;
+  constexpr std::size_t nodes = dim + 1;
+  for (std::int32_t k = 0; k < elements.batches; ++k) {
+    const auto first = static_cast<std::size_t>(k) * batch_size;
+    typename Kernel::Values in;
+    load<dim>(data, elements.node.data() + nodes * first, in);
+    Batch r[nodes][n];
+    if (jacobian != nullptr)
+      Kernel::template evaluate<true>(
+          in, data, rule, r,
+          MatrixSink<dim, n>{elements.entry.data() + nodes * nodes * first, block_scale, jacobian});
+    else
+      Kernel::template evaluate<false>(in, data, rule, r, [](int, int, const Batch*) noexcept {});
+    scatter<dim, n>(elements.row.data() + nodes * first, r, residual);
+  }
+}
+
+template <int dim>
+constexpr ElementKernels kernels_of{add_all<dim, 4, 1>, add_all<dim, 8, 2>, add_all<dim, 8, 3>};
+
+} // namespace
+
+const ElementKernels element_kernels_2d = kernels_of<2>;
+const ElementKernels element_kernels_3d = kernels_of<3>;
+
+} // namespace drogue::fluid::inline DROGUE_ISA

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace drogue::fluid {
+
+/// What the element kernels need besides nodal values.
+struct FlowParameters {
+  double dt = 0;          ///< time step [time]
+  double nu = 0;          ///< molecular kinematic viscosity [length^2/time]
+  double smagorinsky = 0; ///< Cs; 0 switches the model off
+  bool lsic = true;
+  double tau_dt = 0; ///< time step in tau [time]; dt unless a study of the order in time holds it
+};
+
+} // namespace drogue::fluid
