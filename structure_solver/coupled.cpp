@@ -26,29 +26,34 @@ std::vector<double> gather(std::span<const double> values, std::span<const std::
   return result;
 }
 
-/// How an element of second order, or a quadrilateral, is made of triangles on its own nodes.
-std::span<const std::array<std::size_t, 3>> triangles_of(mesh::ElementKind kind) {
-  static constexpr std::array<std::size_t, 3> tri3[] = {{0, 1, 2}};
-  static constexpr std::array<std::size_t, 3> tri6[] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
-  static constexpr std::array<std::size_t, 3> quad4[] = {{0, 1, 2}, {0, 2, 3}};
-  if (kind == mesh::ElementKind::tri6) return tri6;
-  if (kind == mesh::ElementKind::quad4) return quad4;
-  return tri3;
+std::vector<std::int64_t>& array_for(mesh::ElementKind kind, participant::InterfaceMesh& out) {
+  switch (kind) {
+  case mesh::ElementKind::line2:
+    return out.lines;
+  case mesh::ElementKind::line3:
+    return out.lines3;
+  case mesh::ElementKind::tri6:
+    return out.triangles6;
+  case mesh::ElementKind::quad4:
+    return out.quadrangles4;
+  case mesh::ElementKind::quad9:
+    return out.quadrangles9;
+  case mesh::ElementKind::tri3:
+  case mesh::ElementKind::point1: // build_model: the interface has none of these
+  case mesh::ElementKind::tet4:
+  case mesh::ElementKind::tet10:
+  case mesh::ElementKind::hex27:
+    break;
+  }
+  return out.triangles;
 }
 
-/// The elements of the surface: nine-node quadrilaterals as they are, everything else as triangles.
 void add_elements(const mesh::ElementBlock& block, std::span<const std::int32_t> interface_nodes,
                   participant::InterfaceMesh& out) {
-  const auto index = [&](std::int32_t node) {
-    return std::lower_bound(interface_nodes.begin(), interface_nodes.end(), node) - interface_nodes.begin();
-  };
-  if (block.kind == mesh::ElementKind::quad9) {
-    for (const std::int32_t node : block.nodes) out.quadrangles9.push_back(index(node));
-    return;
-  }
-  for (std::int32_t e = 0; e < block.count(); ++e)
-    for (const auto& triangle : triangles_of(block.kind))
-      for (const std::size_t a : triangle) out.triangles.push_back(index(block.element(e)[a]));
+  for (const std::int32_t node : block.nodes)
+    array_for(block.kind, out)
+        .push_back(std::lower_bound(interface_nodes.begin(), interface_nodes.end(), node) -
+                   interface_nodes.begin());
 }
 
 std::vector<double> material_coordinates(const mesh::Mesh& mesh, std::span<const std::int32_t> nodes) {

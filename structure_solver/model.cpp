@@ -308,8 +308,10 @@ class Builder {
   void check_interface() {
     const std::string& name = settings_.interface;
     if (name.empty() || !known("interface", name)) return;
+    const int dimension = settings_.plane ? 1 : 2;
     for (const ElementBlock* block : model_.mesh.blocks_of(name))
-      if (!with_surface_kind(block->kind, 2, [](auto) {})) wrong_kind("interface", *block, surface_kinds(2));
+      if (!with_surface_kind(block->kind, dimension, [](auto) {}))
+        wrong_kind("interface", *block, surface_kinds(dimension));
   }
 
   void check_every_group_has_a_role() {

@@ -19,7 +19,10 @@ constexpr Parent triangle_nodes[] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5
 constexpr Parent quad_nodes[] = {{-1, -1}, {1, -1}, {1, 1},  {-1, 1}, {0, -1},
                                  {1, 0},   {0, 1},  {-1, 0}, {0, 0}};
 
+constexpr Parent line_nodes[] = {{-1, 0}, {1, 0}, {0, 0}};
+
 const Parent* parent_nodes(ElementKind kind) {
+  if (mesh::dimension(kind) == 1) return line_nodes;
   return fem::is_quadrilateral(kind) ? quad_nodes : triangle_nodes;
 }
 
@@ -30,7 +33,7 @@ bool is_inside(ElementKind kind, const Parent& s) {
 }
 
 double distance2(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p, const Parent& s) {
-  const auto shape = fem::surface_shape(kind, s[0], s[1]);
+  const auto shape = element_shape(kind, s[0], s[1]);
   return (combine(shape.N, shape.nodes, X) - p).squaredNorm();
 }
 
@@ -46,7 +49,7 @@ Parent start(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) {
 bool find_foot(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p, Parent& s) {
   s = start(kind, X, p);
   for (int k = 0; k < max_iterations; ++k) {
-    const auto shape = fem::surface_shape(kind, s[0], s[1]);
+    const auto shape = element_shape(kind, s[0], s[1]);
     const Eigen::Vector3d r = p - combine(shape.N, shape.nodes, X);
     const Eigen::Vector3d g = combine(shape.dN_dxi, shape.nodes, X),
                           h = combine(shape.dN_deta, shape.nodes, X);
@@ -60,13 +63,13 @@ bool find_foot(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p, 
   return is_inside(kind, s);
 }
 
-/// Closest point on the edge from a to b (parent coordinates), clamped to its ends.
+/// Closest point on the edge from a to b (parent coordinates), clamped to its ends; `t` in [0, 1] is the
+/// first guess.
 Parent on_edge(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p, const Parent& a,
-               const Parent& b) {
+               const Parent& b, double t = 0.5) {
   const Parent d{b[0] - a[0], b[1] - a[1]};
-  double t = 0.5;
   for (int k = 0; k < max_iterations; ++k) {
-    const auto shape = fem::surface_shape(kind, a[0] + t * d[0], a[1] + t * d[1]);
+    const auto shape = element_shape(kind, a[0] + t * d[0], a[1] + t * d[1]);
     const Eigen::Vector3d r = p - combine(shape.N, shape.nodes, X);
     const Eigen::Vector3d g =
         d[0] * combine(shape.dN_dxi, shape.nodes, X) + d[1] * combine(shape.dN_deta, shape.nodes, X);
@@ -99,10 +102,19 @@ ClosestPoint on_triangle(const NodeMatrix& X, const Eigen::Vector3d& p) {
   return best;
 }
 
+ClosestPoint on_line(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) {
+  const Parent s = on_edge(kind, X, p, line_nodes[0], line_nodes[1], 0.5 * (1 + start(kind, X, p)[0]));
+  const auto shape = element_shape(kind, s[0], 0);
+  const Eigen::Vector3d r = p - combine(shape.N, shape.nodes, X), g = combine(shape.dN_dxi, shape.nodes, X);
+  const bool perpendicular = std::abs(r.dot(g)) <= inside_tolerance * g.squaredNorm();
+  return {s[0], 0, r.squaredNorm(), std::abs(s[0]) < 1 || perpendicular};
+}
+
 } // namespace
 
 ClosestPoint closest_point(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) noexcept {
   if (kind == ElementKind::tri3) return on_triangle(X, p);
+  if (mesh::dimension(kind) == 1) return on_line(kind, X, p);
   Parent s{};
   if (find_foot(kind, X, p, s) && is_inside(kind, s)) return {s[0], s[1], distance2(kind, X, p, s), true};
   const int corners = fem::is_quadrilateral(kind) ? 4 : 3;

@@ -69,7 +69,7 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
       return made.merged_.group[static_cast<std::size_t>(element.nodes[a])];
     };
     for (std::size_t q = 0; q < rule.weights.size(); ++q) {
-      const fem::SurfaceShape& shape = rule.shapes[q];
+      const ElementShape& shape = rule.shapes[q];
       const double da = rule.weights[q] * area_vector(shape, X).norm();
       const auto point = element.first_point + static_cast<std::int64_t>(q);
       const auto nodes = quadrature.structure_nodes(point);

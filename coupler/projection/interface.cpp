@@ -78,6 +78,10 @@ Result<Interface> make_interface(Surface structure, Surface fluid, const Setting
                         settings.largest_normal_angle);
   DROGUE_TRY(complete(structure));
   DROGUE_TRY(complete(fluid));
+  if (structure.dimension() != fluid.dimension())
+    return config_error("the {} surface is made of {}, the {} surface of {}: both must be of the same kind",
+                        structure.name, structure.dimension() == 1 ? "lines" : "faces", fluid.name,
+                        fluid.dimension() == 1 ? "lines" : "faces");
   auto quadrature = fine_enough(structure, fluid, settings);
   if (!quadrature) return quadrature.error();
   auto field = FieldProjection::create(*quadrature, structure, fluid);
@@ -104,7 +108,7 @@ double projection_defect(const Interface& interface, std::span<const double> str
       Eigen::Vector3d d_s = Eigen::Vector3d::Zero();
       for (std::size_t a = 0; a < nodes.size(); ++a)
         d_s += N[a] * Eigen::Map<const Eigen::Vector3d>(structure.data() + 3 * nodes[a]);
-      const fem::SurfaceShape& shape = rule.shapes[q];
+      const ElementShape& shape = rule.shapes[q];
       const double da = rule.weights[q] * area_vector(shape, X).norm();
       missed += da * (combine(shape.N, shape.nodes, d_f) - d_s).squaredNorm();
       whole += da * d_s.squaredNorm();

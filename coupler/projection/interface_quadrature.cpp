@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/fem/quadrature.hpp"
+#include "coupler/projection/line_refinement.hpp"
 #include "coupler/projection/surface_tree.hpp"
 
 namespace drogue::projection {
@@ -17,55 +17,6 @@ using mesh::ElementKind;
 constexpr int max_subdivisions = 16;
 /// Two fluid layers lie on one another when they are this close, relative to the size.
 constexpr double same_place = 1e-8;
-
-/// A degree-`order` rule on each of n^2 equal parts of the parent domain.
-std::vector<fem::SurfacePoint> composite_rule(ElementKind kind, int order, int n) {
-  const auto base = fem::surface_quadrature(kind, order);
-  const double h = 1.0 / n;
-  std::vector<fem::SurfacePoint> rule;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      for (const fem::SurfacePoint& q : base) {
-        if (fem::is_quadrilateral(kind)) {
-          rule.push_back({(2 * i + 1 + q.xi) * h - 1, (2 * j + 1 + q.eta) * h - 1, q.weight * h * h});
-          continue;
-        }
-        if (i + j < n) rule.push_back({(i + q.xi) * h, (j + q.eta) * h, q.weight * h * h});
-        if (i + j + 1 < n) rule.push_back({(i + 1 - q.xi) * h, (j + 1 - q.eta) * h, q.weight * h * h});
-      }
-    }
-  }
-  return rule;
-}
-
-double longest_edge(ElementKind kind, const NodeMatrix& X) {
-  const int corners = fem::is_quadrilateral(kind) ? 4 : 3;
-  double longest = 0;
-  for (int c = 0; c < corners; ++c) longest = std::max(longest, (X.col(c) - X.col((c + 1) % corners)).norm());
-  return longest;
-}
-
-/// Distance of the nodes of an element, about.
-double node_spacing(ElementKind kind, const NodeMatrix& X) {
-  const double area = rough_area(kind, X);
-  switch (kind) {
-  case ElementKind::tri6:
-    return 0.5 * std::sqrt(2 * area);
-  case ElementKind::quad4:
-    return std::sqrt(area);
-  case ElementKind::quad9:
-    return 0.5 * std::sqrt(area);
-  case ElementKind::tri3:
-  case ElementKind::point1:
-  case ElementKind::line2:
-  case ElementKind::line3:
-  case ElementKind::tet4:
-  case ElementKind::tet10:
-  case ElementKind::hex27:
-    break;
-  }
-  return std::sqrt(2 * area);
-}
 
 Error too_far(const MatchReport& r, const Surface& structure, const Surface& fluid,
               const Settings& settings) {
@@ -93,18 +44,23 @@ Error too_oblique(const MatchReport& r, const Surface& structure, const Surface&
 
 } // namespace
 
-std::int32_t InterfaceQuadrature::find_rule(ElementKind kind, int subdivisions, int order) {
-  for (std::size_t i = 0; i < rules_.size(); ++i)
-    if (rules_[i].kind == kind && rules_[i].subdivisions == subdivisions) return static_cast<std::int32_t>(i);
+std::int32_t InterfaceQuadrature::add_rule(ElementKind kind, int subdivisions,
+                                           std::span<const fem::SurfacePoint> points) {
   Rule rule;
   rule.kind = kind;
   rule.subdivisions = subdivisions;
-  for (const fem::SurfacePoint& q : composite_rule(kind, order, subdivisions)) {
+  for (const fem::SurfacePoint& q : points) {
     rule.weights.push_back(q.weight);
-    rule.shapes.push_back(fem::surface_shape(kind, q.xi, q.eta));
+    rule.shapes.push_back(element_shape(kind, q.xi, q.eta));
   }
   rules_.push_back(std::move(rule));
   return static_cast<std::int32_t>(rules_.size()) - 1;
+}
+
+std::int32_t InterfaceQuadrature::find_rule(ElementKind kind, int subdivisions, int order) {
+  for (std::size_t i = 0; i < rules_.size(); ++i)
+    if (rules_[i].kind == kind && rules_[i].subdivisions == subdivisions) return static_cast<std::int32_t>(i);
+  return add_rule(kind, subdivisions, composite_quadrature(kind, order, subdivisions));
 }
 
 void InterfaceQuadrature::choose_rules(const Surface& structure, const Surface& fluid,
@@ -118,24 +74,31 @@ void InterfaceQuadrature::choose_rules(const Surface& structure, const Surface& 
     const ElementKind kind = fluid_elements_->kind(e);
     const NodeMatrix X = gather(fluid_elements_->nodes(e), fluid.material);
     const auto at = [&](const std::array<double, 2>& parent) {
-      const auto shape = fem::surface_shape(kind, parent[0], parent[1]);
+      const auto shape = element_shape(kind, parent[0], parent[1]);
       return combine(shape.N, shape.nodes, X);
     };
-    // The centre: both sides of a canopy are to get the same rule. For the layers a point away from the
-    // diagonals and medians, where another layer may have its edges.
-    hint = structure_tree.closest(at(fem::parent_centre(kind)), hint).element;
-    const Vector3d inside =
-        at(fem::is_quadrilateral(kind) ? std::array{0.137, 0.061} : std::array{0.371, 0.293});
-    const double spacing = node_spacing(structure_elements_->kind(hint),
-                                        gather(structure_elements_->nodes(hint), structure.material));
-    const int wanted =
-        static_cast<int>(std::min(std::round(longest_edge(kind, X) / spacing), 1.0 * max_subdivisions));
-    const int n = std::min((refine.empty() ? 1 : refine[static_cast<std::size_t>(e)]) * std::max(wanted, 1),
-                           max_subdivisions);
+    // For the layers a point away from the diagonals and medians, where another layer may have its edges.
+    const bool has_corner_at_zero = kind == ElementKind::tri3 || kind == ElementKind::tri6;
+    const Vector3d inside = at(has_corner_at_zero ? std::array{0.371, 0.293} : std::array{0.137, 0.061});
     const int layers = std::max(fluid_tree.layers(inside, tolerance), 1);
     report_.fluid_sides = std::max(report_.fluid_sides, layers);
-    elements_.push_back(
-        {fluid_elements_->nodes(e), find_rule(kind, n, settings.quadrature_order), points, 1.0 / layers});
+    std::int32_t rule = 0;
+    if (mesh::dimension(kind) == 1) {
+      const auto breaks = refine_line(kind, X, structure_tree);
+      rule = add_rule(kind, static_cast<int>(breaks.size()) - 1,
+                      line_quadrature(breaks, settings.quadrature_order));
+    } else {
+      // The centre: both sides of a canopy are to get the same rule.
+      hint = structure_tree.closest(at(parent_centre(kind)), hint).element;
+      const double spacing = node_spacing(structure_elements_->kind(hint),
+                                          gather(structure_elements_->nodes(hint), structure.material));
+      const int wanted =
+          static_cast<int>(std::min(std::round(longest_edge(kind, X) / spacing), 1.0 * max_subdivisions));
+      const int n = std::min((refine.empty() ? 1 : refine[static_cast<std::size_t>(e)]) * std::max(wanted, 1),
+                             max_subdivisions);
+      rule = find_rule(kind, n, settings.quadrature_order);
+    }
+    elements_.push_back({fluid_elements_->nodes(e), rule, points, 1.0 / layers});
     points +=
         static_cast<std::int64_t>(rules_[static_cast<std::size_t>(elements_.back().rule)].weights.size());
   }
@@ -155,13 +118,13 @@ void InterfaceQuadrature::locate(const Surface& structure, const Surface& fluid,
     const NodeMatrix material = gather(element.nodes, fluid.material),
                      reference = gather(element.nodes, fluid.reference);
     for (std::size_t q = 0; q < r.weights.size(); ++q) {
-      const fem::SurfaceShape& shape = r.shapes[q];
+      const ElementShape& shape = r.shapes[q];
       const Vector3d p = combine(shape.N, shape.nodes, material);
       const Located found = tree.closest(p, hint);
       hint = found.element;
       const ElementKind kind = structure_elements_->kind(hint);
       const auto nodes = structure_elements_->nodes(hint);
-      const auto source = fem::surface_shape(kind, found.point.xi, found.point.eta);
+      const auto source = element_shape(kind, found.point.xi, found.point.eta);
       nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
       N_.insert(N_.end(), source.N.begin(), source.N.begin() + source.nodes);
       offsets_.push_back(static_cast<std::int64_t>(nodes_.size()));

@@ -37,7 +37,8 @@ struct MatchReport {
 };
 
 /// Quadrature points of the fluid surface (composite rules: elements that are larger than the structure's are
-/// subdivided), each with its closest point on the structure surface in material coordinates. Both directions
+/// subdivided; on lines the common refinement of both meshes, so that all integrals are exact where the two
+/// coincide), each with its closest point on the structure surface in material coordinates. Both directions
 /// of the projection use these points, and they are located once.
 class InterfaceQuadrature {
  public:
@@ -45,7 +46,7 @@ class InterfaceQuadrature {
     mesh::ElementKind kind = mesh::ElementKind::tri3;
     int subdivisions = 1;
     std::vector<double> weights;
-    std::vector<fem::SurfaceShape> shapes;
+    std::vector<ElementShape> shapes;
   };
   struct Element {
     std::span<const std::int32_t> nodes;
@@ -81,6 +82,8 @@ class InterfaceQuadrature {
   [[nodiscard]] std::size_t first(std::int64_t point) const {
     return static_cast<std::size_t>(offsets_[static_cast<std::size_t>(point)]);
   }
+  [[nodiscard]] std::int32_t add_rule(mesh::ElementKind kind, int subdivisions,
+                                      std::span<const fem::SurfacePoint> points);
   [[nodiscard]] std::int32_t find_rule(mesh::ElementKind kind, int subdivisions, int order);
   void choose_rules(const Surface& structure, const Surface& fluid, const Settings& settings,
                     std::span<const int> refine);

@@ -76,10 +76,10 @@ LoadSums LoadTransfer::transfer(const FluidSide& fluid, std::span<double> forces
     const NodeMatrix X = gather(element.nodes, fluid.points);
     const NodeMatrix V = moving ? gather(element.nodes, fluid.velocity) : NodeMatrix::Zero();
     const auto force_at = load_on(element.nodes);
-    const bool flat = rule.kind == mesh::ElementKind::tri3;
+    const bool flat = rule.kind == mesh::ElementKind::tri3 || rule.kind == mesh::ElementKind::line2;
     Vector3d area = area_vector(rule.shapes[0], X);
     for (std::size_t q = 0; q < rule.weights.size(); ++q) {
-      const fem::SurfaceShape& shape = rule.shapes[q];
+      const ElementShape& shape = rule.shapes[q];
       if (!flat) area = area_vector(shape, X);
       const Vector3d f = force_at(shape, rule.weights[q] * area);
       sums.force += f;
@@ -102,7 +102,7 @@ LoadSums LoadTransfer::from_pressure(const FluidSide& fluid, std::span<const dou
   return transfer(fluid, forces, [&](std::span<const std::int32_t> nodes) {
     std::array<double, fem::max_surface_nodes> p{};
     for (std::size_t b = 0; b < nodes.size(); ++b) p[b] = pressure[static_cast<std::size_t>(nodes[b])];
-    return [p](const fem::SurfaceShape& shape, const Vector3d& area) {
+    return [p](const ElementShape& shape, const Vector3d& area) {
       double at = 0;
       for (std::size_t b = 0; b < static_cast<std::size_t>(shape.nodes); ++b) at += shape.N[b] * p[b];
       return Vector3d(at * area);
@@ -113,7 +113,7 @@ LoadSums LoadTransfer::from_pressure(const FluidSide& fluid, std::span<const dou
 LoadSums LoadTransfer::from_traction(const FluidSide& fluid, std::span<const double> traction,
                                      std::span<double> forces) const noexcept {
   return transfer(fluid, forces, [&](std::span<const std::int32_t> nodes) {
-    return [t = gather(nodes, traction)](const fem::SurfaceShape& shape, const Vector3d& area) {
+    return [t = gather(nodes, traction)](const ElementShape& shape, const Vector3d& area) {
       return Vector3d(area.norm() * combine(shape.N, shape.nodes, t));
     };
   });

@@ -9,6 +9,9 @@
 namespace drogue::projection {
 namespace {
 
+/// How far lines may lie outside their plane, relative to their size.
+constexpr double flatness = 1e-9;
+
 using Cell = std::array<std::int64_t, 3>;
 
 struct CellHash {
@@ -34,10 +37,15 @@ Result<void> check_coordinates(const Surface& s, const std::vector<double>& valu
 Result<void> check_connectivity(const Surface& s) {
   std::vector<char> used(s.node_count(), 0);
   for (const mesh::ElementBlock& block : s.blocks) {
-    if (mesh::dimension(block.kind) != 2)
+    const int dimension = mesh::dimension(block.kind);
+    if (dimension != 1 && dimension != 2)
       return config_error(
-          "the {} surface holds {} elements; a surface is made of triangles and quadrilaterals", s.name,
-          mesh::name(block.kind));
+          "the {} surface holds {} elements; a surface is made of triangles and quadrilaterals, in a plane "
+          "problem of lines",
+          s.name, mesh::name(block.kind));
+    if (dimension != s.dimension())
+      return config_error("the {} surface holds {} and {} elements; it must be made of faces or of lines",
+                          s.name, mesh::name(s.blocks.front().kind), mesh::name(block.kind));
     if (block.nodes.size() % static_cast<std::size_t>(mesh::nodes_per_element(block.kind)) != 0)
       return config_error("the {} surface: {} indices are no whole number of {} elements", s.name,
                           block.nodes.size(), mesh::name(block.kind));
@@ -53,11 +61,24 @@ Result<void> check_connectivity(const Surface& s) {
   return {};
 }
 
+/// Lines have a normal in a plane z = const alone.
+Result<void> check_plane(const Surface& s, const std::vector<double>& coordinates, const char* what) {
+  if (s.dimension() != 1) return {};
+  const double size = extent(coordinates);
+  for (std::size_t i = 2; i < coordinates.size(); i += 3)
+    if (std::abs(coordinates[i] - coordinates[2]) > flatness * size)
+      return config_error(
+          "the {} surface is made of lines, but its node {} lies outside the plane z = {:.6g} of node 0 "
+          "in {} coordinates (z = {:.6g})",
+          s.name, i / 3, coordinates[2], what, coordinates[i]);
+  return {};
+}
+
 Result<void> check_areas(const Surface& s, const std::vector<double>& coordinates, const char* what) {
   const Elements elements(s);
-  const double size = extent(coordinates);
+  const double least = std::pow(1e-10 * extent(coordinates), s.dimension());
   for (std::int32_t e = 0; e < elements.count(); ++e)
-    if (!(rough_area(elements.kind(e), gather(elements.nodes(e), coordinates)) > 1e-20 * size * size))
+    if (!(rough_area(elements.kind(e), gather(elements.nodes(e), coordinates)) > least))
       return config_error("the {} surface: element {} has no area in {} coordinates", s.name, e, what);
   return {};
 }
@@ -84,23 +105,11 @@ Result<void> complete(Surface& s) {
   DROGUE_TRY(check_coordinates(s, s.reference, "reference"));
   DROGUE_TRY(check_coordinates(s, s.material, "material"));
   DROGUE_TRY(check_connectivity(s));
+  DROGUE_TRY(check_plane(s, s.points, "starting"));
+  DROGUE_TRY(check_plane(s, s.reference, "reference"));
+  DROGUE_TRY(check_plane(s, s.material, "material"));
   DROGUE_TRY(check_areas(s, s.reference, "reference"));
   return check_areas(s, s.material, "material");
-}
-
-NodeMatrix gather(std::span<const std::int32_t> nodes, std::span<const double> coordinates) noexcept {
-  NodeMatrix X = NodeMatrix::Zero();
-  for (std::size_t a = 0; a < nodes.size(); ++a) {
-    const double* x = coordinates.data() + 3 * static_cast<std::size_t>(nodes[a]);
-    X.col(static_cast<Eigen::Index>(a)) << x[0], x[1], x[2];
-  }
-  return X;
-}
-
-double rough_area(mesh::ElementKind kind, const NodeMatrix& X) noexcept {
-  const auto centre = fem::parent_centre(kind);
-  const double parent = fem::is_quadrilateral(kind) ? 4.0 : 0.5;
-  return parent * area_vector(fem::surface_shape(kind, centre[0], centre[1]), X).norm();
 }
 
 double extent(std::span<const double> coordinates) noexcept {

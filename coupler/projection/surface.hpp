@@ -6,16 +6,13 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-
 #include "common/base/result.hpp"
-#include "common/fem/shape.hpp"
-#include "common/mesh/mesh.hpp"
+#include "coupler/projection/element.hpp"
 
 namespace drogue::projection {
 
-/// One side of the interface: a mesh of T3, T6, Q4 and Q9 in any mixture.
+/// One side of the interface: a mesh of T3, T6, Q4 and Q9 in any mixture, or, in a plane problem, of lines
+/// with two and three nodes in one plane z = const; then areas are lengths and forces are per unit depth.
 struct Surface {
   /// For messages: "fluid", "structure".
   std::string name;
@@ -31,6 +28,8 @@ struct Surface {
   std::vector<mesh::ElementBlock> blocks;
 
   [[nodiscard]] std::size_t node_count() const { return points.size() / 3; }
+  /// 1: lines, 2: faces. @pre there are elements
+  [[nodiscard]] int dimension() const { return mesh::dimension(blocks.front().kind); }
 };
 
 /// Elements of all blocks, one after the other.
@@ -52,28 +51,10 @@ class Elements {
 };
 
 /// Fills empty `reference` and `material`, and checks the surface.
-/// Errors (ErrorKind::config): no elements, volume elements, sizes or indices that do not fit, values that
-/// are not finite, a node without an element, an element without area in reference or material coordinates.
+/// Errors (ErrorKind::config): no elements, volume elements, lines beside faces or outside a plane z = const,
+/// sizes or indices that do not fit, values that are not finite, a node without an element, an element
+/// without area in reference or material coordinates.
 [[nodiscard]] Result<void> complete(Surface& surface);
-
-/// Coordinates of an element's nodes, one a column; columns beyond `nodes` are zero.
-using NodeMatrix = Eigen::Matrix<double, 3, fem::max_surface_nodes>;
-[[nodiscard]] NodeMatrix gather(std::span<const std::int32_t> nodes,
-                                std::span<const double> coordinates) noexcept;
-
-/// Position, tangents and area vector x_xi cross x_eta at one point of an element.
-[[nodiscard]] inline Eigen::Vector3d combine(const std::array<double, fem::max_surface_nodes>& N, int nodes,
-                                             const NodeMatrix& X) noexcept {
-  Eigen::Vector3d x = N[0] * X.col(0);
-  for (int a = 1; a < nodes; ++a) x += N[static_cast<std::size_t>(a)] * X.col(a);
-  return x;
-}
-[[nodiscard]] inline Eigen::Vector3d area_vector(const fem::SurfaceShape& s, const NodeMatrix& X) noexcept {
-  return combine(s.dN_dxi, s.nodes, X).cross(combine(s.dN_deta, s.nodes, X));
-}
-
-/// Area of the parent domain times the Jacobian at the centre.
-[[nodiscard]] double rough_area(mesh::ElementKind kind, const NodeMatrix& X) noexcept;
 
 /// Diagonal of the bounding box of {n, 3} coordinates.
 [[nodiscard]] double extent(std::span<const double> coordinates) noexcept;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/fem/quadrature.hpp"
-
 namespace drogue::projection {
 namespace {
 
@@ -16,8 +14,8 @@ constexpr int degree = 4;
 ElementMass element_mass(mesh::ElementKind kind, const NodeMatrix& X) {
   ElementMass mass;
   mass.M.setZero();
-  for (const fem::SurfacePoint& q : fem::surface_quadrature(kind, degree)) {
-    const auto shape = fem::surface_shape(kind, q.xi, q.eta);
+  for (const fem::SurfacePoint& q : element_quadrature(kind, degree)) {
+    const auto shape = element_shape(kind, q.xi, q.eta);
     const double da = q.weight * area_vector(shape, X).norm();
     mass.area += da;
     for (int a = 0; a < shape.nodes; ++a)
@@ -80,8 +78,8 @@ Eigen::Vector3d vector_area(const Surface& surface, std::span<const double> x) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::int32_t e = 0; e < elements.count(); ++e) {
     const NodeMatrix nodes = gather(elements.nodes(e), x);
-    for (const fem::SurfacePoint& q : fem::surface_quadrature(elements.kind(e), degree))
-      sum += q.weight * area_vector(fem::surface_shape(elements.kind(e), q.xi, q.eta), nodes);
+    for (const fem::SurfacePoint& q : element_quadrature(elements.kind(e), degree))
+      sum += q.weight * area_vector(element_shape(elements.kind(e), q.xi, q.eta), nodes);
   }
   return sum;
 }

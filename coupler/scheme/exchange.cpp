@@ -2,6 +2,7 @@
 #include "coupler/scheme/exchange.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -13,13 +14,17 @@ namespace {
 using participant::Fields;
 using participant::FloatArray;
 
+/// {participant::element_arrays}
+constexpr std::array kinds{mesh::ElementKind::line2, mesh::ElementKind::line3, mesh::ElementKind::tri3,
+                           mesh::ElementKind::tri6,  mesh::ElementKind::quad4, mesh::ElementKind::quad9};
+static_assert(kinds.size() == participant::element_arrays.size());
+
 projection::Surface surface_of(const std::string& name, const participant::InterfaceMesh& mesh) {
   projection::Surface s{name, mesh.points, mesh.reference, mesh.material, {}};
-  const auto block = [&](mesh::ElementKind kind, const std::vector<std::int64_t>& nodes) {
-    if (!nodes.empty()) s.blocks.push_back({name, kind, {nodes.begin(), nodes.end()}});
-  };
-  block(mesh::ElementKind::tri3, mesh.triangles);
-  block(mesh::ElementKind::quad9, mesh.quadrangles9);
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const auto& nodes = mesh.*participant::element_arrays[i].elements;
+    if (!nodes.empty()) s.blocks.push_back({name, kinds[i], {nodes.begin(), nodes.end()}});
+  }
   return s;
 }
 

@@ -63,8 +63,7 @@ Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Me
   floats("reference", mesh.reference);
   floats("material", mesh.material);
   floats("velocity", mesh.velocity);
-  indices("triangles", mesh.triangles);
-  indices("quadrangles9", mesh.quadrangles9);
+  for (const auto& array : participant::element_arrays) indices(array.name, mesh.*array.elements);
   indices("mesh_nodes", mesh.mesh_nodes);
   mesh.mesh_node_count = answer.envelope.initialized().mesh_node_count();
   mesh.mesh_hash = answer.envelope.initialized().mesh_hash();
@@ -82,14 +81,15 @@ Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Me
     return bad("velocity must have the shape of points");
   if (const auto value = wire::first_not_finite(mesh.velocity))
     return bad(fmt::format("velocity is not finite at node {}", *value / 3).c_str());
-  if (mesh.triangles.size() % 3 != 0) return bad("triangles must be {m, 3}");
-  if (mesh.quadrangles9.size() % 9 != 0) return bad("quadrangles9 must be {m, 9}");
   const auto within = [](const std::vector<std::int64_t>& list, std::int64_t end) {
     return std::all_of(list.begin(), list.end(), [end](std::int64_t i) { return i >= 0 && i < end; });
   };
   const auto nodes = static_cast<std::int64_t>(n / 3);
-  if (!within(mesh.triangles, nodes) || !within(mesh.quadrangles9, nodes))
-    return bad("an element names a missing node");
+  for (const auto& array : participant::element_arrays) {
+    if ((mesh.*array.elements).size() % array.nodes != 0)
+      return bad(fmt::format("{} must be {{m, {}}}", array.name, array.nodes).c_str());
+    if (!within(mesh.*array.elements, nodes)) return bad("an element names a missing node");
+  }
   if (!within(mesh.mesh_nodes, static_cast<std::int64_t>(mesh.mesh_node_count)))
     return bad("mesh_nodes names a node beyond mesh_node_count");
   return mesh;

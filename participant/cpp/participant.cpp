@@ -196,8 +196,8 @@ class Server {
     put(reply.floats, "reference", std::move(mesh->reference), 3);
     put(reply.floats, "material", std::move(mesh->material), 3);
     put(reply.floats, "velocity", std::move(mesh->velocity), 3);
-    put(reply.indices, "triangles", std::move(mesh->triangles), 3);
-    put(reply.indices, "quadrangles9", std::move(mesh->quadrangles9), 9);
+    for (const ElementArray& array : element_arrays)
+      put(reply.indices, array.name, std::move((*mesh).*array.elements), array.nodes);
     put(reply.indices, "mesh_nodes", std::move(mesh->mesh_nodes), 1);
     return std::nullopt;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -56,14 +57,34 @@ struct InterfaceMesh {
   std::vector<double> material;
   /// {n, 3} or empty: velocity at Initialize, of a structure that does not start at rest.
   std::vector<double> velocity;
-  /// {m, 3} and {m, 9}: indices into points.
+  /// {m, nodes of the element}: indices into points, in Gmsh's order (corners, mid-sides, centre). Lines are
+  /// the interface of a plane problem, faces that of one in space. On a fluid the normal points into the
+  /// wall; that of a line lies to the right of its direction.
+  std::vector<std::int64_t> lines;
+  std::vector<std::int64_t> lines3;
   std::vector<std::int64_t> triangles;
+  std::vector<std::int64_t> triangles6;
+  std::vector<std::int64_t> quadrangles4;
   std::vector<std::int64_t> quadrangles9;
   /// {n}: index of each interface node in the whole mesh.
   std::vector<std::int64_t> mesh_nodes;
   std::uint64_t mesh_node_count = 0;
   std::string mesh_hash;
 };
+
+/// The arrays of elements that an interface may have, as they are named on the wire.
+struct ElementArray {
+  const char* name;
+  std::uint64_t nodes; ///< of an element
+  std::vector<std::int64_t> InterfaceMesh::*elements;
+};
+inline constexpr std::array<ElementArray, 6> element_arrays{
+    {{"lines", 2, &InterfaceMesh::lines},
+     {"lines3", 3, &InterfaceMesh::lines3},
+     {"triangles", 3, &InterfaceMesh::triangles},
+     {"triangles6", 6, &InterfaceMesh::triangles6},
+     {"quadrangles4", 4, &InterfaceMesh::quadrangles4},
+     {"quadrangles9", 9, &InterfaceMesh::quadrangles9}}};
 
 struct RunInfo {
   std::filesystem::path directory;

@@ -58,6 +58,26 @@ TEST(Oscillator, FollowsTheMonolithicSolutionWithTenfoldAddedMass) {
   EXPECT_GT(std::abs(coupling.at(1, "power_fluid")), 1e-6);
 }
 
+/// The same in a plane problem: lines with three nodes on the structure, with two on the fluid, forces per
+/// unit depth.
+TEST(Oscillator, OnLinesFollowsTheSameSolution) {
+  const auto folder = fresh_folder("lines");
+  const std::string plane = "--plane yes";
+  ASSERT_EQ(run_coupler(write_case(folder, {.structure_arguments = plane,
+                                            .fluid_arguments = plane,
+                                            .mesh_mover_arguments = plane,
+                                            .steps = 10,
+                                            .extra = "loop { relative: 1e-9 }"})),
+            0)
+      << read_text(folder / "output.txt");
+  const Table drag = read_csv(folder / "run/drag.csv"), coupling = read_csv(folder / "run/coupling.csv");
+  const auto exact = oscillator(10, 0.02);
+  ASSERT_EQ(drag.rows.size(), 10u);
+  for (std::size_t n = 0; n < exact.size(); ++n)
+    EXPECT_NEAR(drag.at(n, "mean_displacement_y"), exact[n], 1e-8 * 0.01) << "step " << n + 1;
+  for (std::size_t i = 0; i < coupling.rows.size(); ++i) EXPECT_LT(coupling.at(i, "force_defect"), 1e-12);
+}
+
 TEST(Oscillator, SmallConstantRelaxationConvergesToTheSame) {
   const auto folder = fresh_folder("constant");
   ASSERT_EQ(run_coupler(write_case(folder, {.steps = 3,

@@ -351,6 +351,59 @@ TEST_F(CoupledRun, InterfaceIsTheMembrane) {
   EXPECT_EQ(mesh->mesh_nodes.size(), 25U);
 }
 
+/// A plane strip of solid elements and a cable along its lower edge, either of them wetted.
+TEST_F(CoupledRun, InAPlaneProblemTheInterfaceIsMadeOfLines) {
+  mesh::Mesh mesh = test::sheet(mesh::ElementKind::quad9, 2, 1,
+                                [](double s, double t) { return Eigen::Vector3d(2 * s, 0.5 * t, 0); });
+  mesh.blocks.push_back({"wall", mesh::ElementKind::line3, {0, 2, 1, 2, 4, 3}});
+  mesh.blocks.push_back({"cable", mesh::ElementKind::line2, {0, 1, 1, 2, 2, 3, 3, 4}});
+  ASSERT_TRUE(mesh::write_msh("strip.msh", mesh));
+  const auto config = [](const std::string& interface) {
+    return "mesh: \"strip.msh\" plane: true solid { group: \"cloth\" density: 1 youngs_modulus: 1000 "
+           "poisson_ratio: 0.3 } "
+           "cable { group: \"cable\" area: 1e-6 density: 1 youngs_modulus: 1 } ignore_group: \"edge\" "
+           "ignore_group: \"wall\" "
+           "newton { displacement_tolerance: 1e-12 } output { directory: \"out\" field_interval: 0 } "
+           "interface: \"" +
+           interface + "\"";
+  };
+  for (const std::string group : {"wall", "cable"}) {
+    write("coupled.textproto", config(group));
+    Coupled solver(load("coupled.textproto"));
+    ASSERT_TRUE(solver.configure({fs::current_path() / "run", 0, 0.01}));
+    const auto interface = solver.initialize();
+    ASSERT_TRUE(interface);
+    EXPECT_EQ(interface->points.size(), 15U);
+    EXPECT_EQ(interface->lines3.size(), group == "wall" ? 6U : 0U);
+    EXPECT_EQ(interface->lines.size(), group == "wall" ? 0U : 8U);
+    const std::vector<double> each{1. / 6, 2. / 3, 1. / 3, 2. / 3, 1. / 6};
+    participant::Fields in, out;
+    in["displacement"] = {{5, 3}, std::vector<double>(15, 0.0)};
+    in["force"] = {{5, 3}, std::vector<double>(15, 0.0)};
+    for (std::size_t i = 0; i < 5; ++i) in["force"].values[3 * i + 1] = each[i];
+    ASSERT_TRUE(solver.begin_step({1, 1, 0, 0.01}));
+    const auto report = solver.iterate(in, out);
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_TRUE(solver.commit(false));
+    const auto& d = out.at("displacement").values;
+    const auto& v = out.at("velocity").values;
+    for (std::size_t i = 0; i < 5; ++i) { // a symmetric load on a symmetric body
+      EXPECT_EQ(d[3 * i + 2], 0);
+      EXPECT_GT(d[3 * i + 1], 1e-6);
+      EXPECT_NEAR(d[3 * i], -d[3 * (4 - i)], 1e-12);
+      EXPECT_NEAR(d[3 * i + 1], d[3 * (4 - i) + 1], 1e-12);
+      EXPECT_NEAR(v[3 * i + 1], v[3 * (4 - i) + 1], 1e-10);
+    }
+    EXPECT_GT(v[1], 1e-3);
+  }
+  write("coupled.textproto", config("cloth"));
+  const auto refused = load_case("coupled.textproto");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("2-node line or 3-node line elements are needed here"),
+            std::string::npos)
+      << refused.error().message;
+}
+
 TEST_F(CoupledRun, RollbackAndRepeatGiveTheSameBits) {
   auto solver = start();
   std::vector<double> d(75, 0.0);

@@ -5,11 +5,13 @@
 //   structure    m a + k d = f / A
 //   fluid        p = -m_a a
 //   mesh_mover   every node moves with the plate
+// With --plane it is a plane problem: the plate is a line along x that moves along y, per unit depth.
 // The trapezoidal rule in both makes the coupled steps those of the oscillator (m + m_a) a + k d = 0.
 //
 // usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] [--refuse-step N]
 //                               [--second-rank yes]                           [--velocity V]
-//                               [--fixed-residual R] [--checkpoints no] [--rolls-back no] --connect ENDPOINT
+//                               [--fixed-residual R] [--checkpoints no] [--rolls-back no] [--plane yes]
+//                               --connect ENDPOINT
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -41,7 +43,8 @@ struct Options {
   /// first three iterates of a step and none later; below 0: one that converges.
   double fixed_residual = -1;
   bool checkpoints = true, rolls_back = true; ///< whether it can
-  std::vector<std::int64_t> pids;             ///< this process and its second rank; empty without one
+  bool plane = false;
+  std::vector<std::int64_t> pids; ///< this process and its second rank; empty without one
 };
 
 /// The unit square as a grid of n x n squares, two triangles each; n differs between the two sides.
@@ -60,10 +63,31 @@ InterfaceMesh plate(int n) {
   return mesh;
 }
 
-/// Nodes of the plate on one side, with the trapezoidal rule's d, v, a along z.
+/// The line from (1, 0) to (0, 0), with the fluid on its left, below: n elements of two or three nodes.
+InterfaceMesh line(int n, bool three_nodes) {
+  InterfaceMesh mesh;
+  const int step = three_nodes ? 2 : 1;
+  for (int i = step * n; i >= 0; --i) {
+    mesh.mesh_nodes.push_back(static_cast<std::int64_t>(mesh.points.size() / 3));
+    mesh.points.insert(mesh.points.end(), {double(i) / (step * n), 0.0, 0.0});
+  }
+  for (std::int64_t i = 0; i < step * n; i += step) {
+    if (three_nodes)
+      mesh.lines3.insert(mesh.lines3.end(), {i, i + 2, i + 1});
+    else
+      mesh.lines.insert(mesh.lines.end(), {i, i + 1});
+  }
+  mesh.mesh_node_count = mesh.points.size() / 3;
+  return mesh;
+}
+
+/// Nodes of the plate on one side, with the trapezoidal rule's d, v, a across it.
 class Plate : public Solver {
  public:
-  Plate(Options options, int n) : options_(std::move(options)), mesh_(plate(n)) {}
+  Plate(Options options, int n)
+      : options_(std::move(options)),
+        mesh_(options_.plane ? line(n, options_.role == "structure") : plate(n)),
+        across_(options_.plane ? 1 : 2) {}
   Result<void> configure(const RunInfo&) override { return {}; }
   Result<InterfaceMesh> initialize() override {
     std::printf("plate of %zu nodes ready\n", static_cast<std::size_t>(mesh_.mesh_node_count));
@@ -120,13 +144,14 @@ class Plate : public Solver {
     return d;
   }
   [[nodiscard]] std::uint64_t nodes() const { return mesh_.mesh_node_count; }
-  [[nodiscard]] FloatArray along_z(double value) const {
+  [[nodiscard]] FloatArray across(double value) const {
     FloatArray a{{nodes(), 3}, std::vector<double>(3 * nodes(), 0.0)};
-    for (std::size_t i = 2; i < a.values.size(); i += 3) a.values[i] = value;
+    for (std::size_t i = across_; i < a.values.size(); i += 3) a.values[i] = value;
     return a;
   }
   Options options_;
   InterfaceMesh mesh_;
+  std::size_t across_; ///< component of the motion
   double dt_ = 0;
   bool refuses_ = false;
   int iterates_ = 0; ///< of the step
@@ -137,7 +162,7 @@ class Structure : public Plate {
  public:
   explicit Structure(Options o) : Plate(std::move(o), 5) {
     n_ = now_ = {initial_displacement, options_.velocity, initial_acceleration};
-    if (n_.v != 0) mesh_.velocity = along_z(n_.v).values;
+    if (n_.v != 0) mesh_.velocity = across(n_.v).values;
   }
   Description describe() override {
     Description d = described("oscillator structure");
@@ -151,14 +176,14 @@ class Structure : public Plate {
   Result<IterationReport> solve(const Fields& in, Fields& out) override {
     double force = 0;
     const auto& f = in.at("force").values;
-    for (std::size_t i = 2; i < f.size(); i += 3) force += f[i];
+    for (std::size_t i = across_; i < f.size(); i += 3) force += f[i];
     // d = d_n + dt v_n + dt^2/4 (a_n + a),  m a + k d = f
     const double guess = n_.d + dt_ * n_.v + 0.25 * dt_ * dt_ * n_.a;
     now_.a = (force - spring * guess) / (structure_mass + 0.25 * dt_ * dt_ * spring);
     now_.d = guess + 0.25 * dt_ * dt_ * now_.a;
     now_.v = n_.v + 0.5 * dt_ * (n_.a + now_.a);
-    out["displacement"] = along_z(now_.d - initial_displacement); // since Initialize
-    out["velocity"] = along_z(now_.v);
+    out["displacement"] = across(now_.d - initial_displacement); // since Initialize
+    out["velocity"] = across(now_.v);
     return IterationReport{1, 0, true};
   }
 };
@@ -181,11 +206,11 @@ class Fluid : public Plate {
     if (dt_ > options_.refuse_steps_above) return retryable_error("a step of {} is too long", dt_);
     if (refuses_) return retryable_error("not this time");
     const auto& v = in.at("velocity").values;
-    n_.v = in.at("velocity_start").values[2];
+    n_.v = in.at("velocity_start").values[across_];
     FloatArray p{{nodes(), 1}, std::vector<double>(nodes())};
     for (std::size_t i = 0; i < nodes(); ++i)
-      p.values[i] = -added_mass * (2 * (v[3 * i + 2] - n_.v) / dt_ - n_.a);
-    now_.v = v[2];
+      p.values[i] = -added_mass * (2 * (v[3 * i + across_] - n_.v) / dt_ - n_.a);
+    now_.v = v[across_];
     now_.a = 2 * (now_.v - n_.v) / dt_ - n_.a;
     out["pressure"] = std::move(p);
     return IterationReport{1, 0, true};
@@ -231,6 +256,7 @@ int main(int argc, char** argv) {
     if (name == "--refuse-step") options.refused_step = std::strtoull(argv[i + 1], nullptr, 10);
     if (name == "--checkpoints") options.checkpoints = std::string(argv[i + 1]) == "yes";
     if (name == "--rolls-back") options.rolls_back = std::string(argv[i + 1]) == "yes";
+    if (name == "--plane") options.plane = std::string(argv[i + 1]) == "yes";
     if (name == "--velocity") options.velocity = std::atof(argv[i + 1]);
     if (name == "--fixed-residual") options.fixed_residual = std::atof(argv[i + 1]);
     if (name == "--refuse-steps-above") options.refuse_steps_above = std::atof(argv[i + 1]);

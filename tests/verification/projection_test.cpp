@@ -147,5 +147,33 @@ TEST(Projection, BetweenNineNodeQuadrilateralsAndTriangles) {
   }
 }
 
+/// Plane problems: two polygons in half a circle, all integrals exact on their common refinement.
+TEST(Projection, BetweenLines) {
+  const auto half_circle = [](ElementKind kind, int n) {
+    return chain(kind, n, [](double s) {
+      return Point{std::cos(std::numbers::pi * s), std::sin(std::numbers::pi * s), 0};
+    });
+  };
+  const Field field = [](const Point& p) {
+    return Point{std::sin(4 * p[0]) * std::cos(3 * p[1]), p[1] * p[1], 0};
+  };
+  double displacement[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const int n = i == 0 ? 48 : 96;
+    const std::string name = fmt::format("coupler/projection_lines_{}", n);
+    Interface pair =
+        test::pair(half_circle(ElementKind::line2, n), half_circle(ElementKind::line2, n * 11 / 8));
+    displacement[i] = displacement_error(pair, field);
+    verify(name, "displacement_error", displacement[i], 0, i == 0 ? 3e-3 : 7.5e-4);
+    const std::vector<double> t = sample(pair.fluid, field);
+    std::vector<double> f(pair.structure.points.size());
+    const LoadSums given = pair.load.from_traction({pair.fluid.points, {}}, t, f);
+    verify(name, "force_defect",
+           (sum_nodal(pair.structure.points, f).force - given.force).norm() / given.force.norm(), 0, 1e-12);
+  }
+  verify_between("coupler/projection_lines", "displacement_order",
+                 std::log2(displacement[0] / displacement[1]), 1.9, 2.6);
+}
+
 } // namespace
 } // namespace drogue::projection::test

@@ -38,6 +38,10 @@ TRANSITIONS = {
 }
 
 
+# Arrays of elements that an interface may have, and the nodes of an element.
+ELEMENT_ARRAYS = {"lines": 2, "lines3": 3, "triangles": 3, "triangles6": 6, "quadrangles4": 4, "quadrangles9": 9}
+
+
 class SolverError(Exception):
     """A failure of the solver. `code` is one of drogue.v1.Error.Code; a retryable one leaves the solver ready for
     rollback, any other ends the participant."""
@@ -68,8 +72,14 @@ class InterfaceMesh:
     """The surface that exchanges. See Initialized in wire.proto."""
 
     points: np.ndarray  # {n, 3}: positions at Initialize
-    triangles: np.ndarray = None  # {m, 3}: indices into points
-    quadrangles9: np.ndarray = None  # {m, 9}
+    # {m, nodes of the element}: indices into points, in Gmsh's order. Lines are the interface of a plane problem. On a
+    # fluid the normal points into the wall; that of a line lies to the right of its direction.
+    lines: np.ndarray = None
+    lines3: np.ndarray = None
+    triangles: np.ndarray = None
+    triangles6: np.ndarray = None
+    quadrangles4: np.ndarray = None
+    quadrangles9: np.ndarray = None
     reference: np.ndarray = None  # {n, 3}
     material: np.ndarray = None  # {n, 3}
     velocity: np.ndarray = None  # {n, 3}: at Initialize, of a structure that does not start at rest
@@ -232,7 +242,7 @@ class _Server:
         for name, columns in (("points", 3), ("reference", 3), ("material", 3), ("velocity", 3)):
             if getattr(mesh, name) is not None:
                 reply.arrays[name] = np.asarray(getattr(mesh, name), dtype=np.float64).reshape(-1, columns)
-        for name, columns in (("triangles", 3), ("quadrangles9", 9)):
+        for name, columns in ELEMENT_ARRAYS.items():
             if getattr(mesh, name) is not None:
                 reply.arrays[name] = np.asarray(getattr(mesh, name), dtype=np.int64).reshape(-1, columns)
         if mesh.mesh_nodes is not None:

@@ -74,7 +74,7 @@ double sphere_l2_error(const Surface& fluid, const std::vector<double>& d) {
   for (std::int32_t e = 0; e < elements.count(); ++e) {
     const NodeMatrix X = gather(elements.nodes(e), fluid.points), D = gather(elements.nodes(e), d);
     for (const fem::SurfacePoint& q : fem::surface_quadrature(elements.kind(e), 5)) {
-      const auto shape = fem::surface_shape(elements.kind(e), q.xi, q.eta);
+      const auto shape = element_shape(elements.kind(e), q.xi, q.eta);
       const Eigen::Vector3d x = combine(shape.N, shape.nodes, X).normalized();
       const Point w = wavy({x[0], x[1], x[2]});
       const Eigen::Vector3d exact(w[0], w[1], w[2]);

@@ -27,7 +27,7 @@ TEST(ClosestPoint, InvertsTheMapOfEveryKind) {
     const NodeMatrix X = gather(elements.nodes(0), s.points);
     for (const double xi : {0.1, 0.3, 0.55}) {
       for (const double eta : {0.05, 0.4}) {
-        const auto shape = fem::surface_shape(kind, xi, eta);
+        const auto shape = element_shape(kind, xi, eta);
         const Vector3d n = area_vector(shape, X).normalized();
         const Vector3d p = combine(shape.N, shape.nodes, X) + 0.01 * n;
         const ClosestPoint c = closest_point(kind, X, p);
@@ -53,8 +53,8 @@ TEST(ClosestPoint, ClampsToTheElement) {
       const bool quad = fem::is_quadrilateral(kind);
       for (int i = 0; i <= 200; ++i) {
         for (int j = 0; j <= (quad ? 200 : 200 - i); ++j) {
-          const auto shape = quad ? fem::surface_shape(kind, 0.01 * i - 1, 0.01 * j - 1)
-                                  : fem::surface_shape(kind, 0.005 * i, 0.005 * j);
+          const auto shape = quad ? element_shape(kind, 0.01 * i - 1, 0.01 * j - 1)
+                                  : element_shape(kind, 0.005 * i, 0.005 * j);
           nearest = std::min(nearest, (combine(shape.N, shape.nodes, X) - p).norm());
         }
       }

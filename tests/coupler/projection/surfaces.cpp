@@ -90,6 +90,23 @@ Surface plate(ElementKind kind, int n, bool other_diagonal) {
       other_diagonal);
 }
 
+Surface chain(ElementKind kind, int n, const std::function<Point(double)>& map) {
+  const int step = kind == ElementKind::line3 ? 2 : 1, m = step * n;
+  Surface s;
+  for (int i = 0; i <= m; ++i) add(s, map(static_cast<double>(i) / m));
+  mesh::ElementBlock block{"surface", kind, {}};
+  for (int i = 0; i < m; i += step) {
+    block.nodes.insert(block.nodes.end(), {i, i + step});
+    if (step == 2) block.nodes.push_back(i + 1);
+  }
+  s.blocks.push_back(std::move(block));
+  return s;
+}
+
+Surface interval(ElementKind kind, int n) {
+  return chain(kind, n, [](double s) { return Point{s, 0, 0}; });
+}
+
 Surface lat_long_hemisphere(int m) {
   Surface s;
   add(s, top);

@@ -26,6 +26,11 @@ Surface quad9_hemisphere(int n);
 /// The whole unit sphere (eight octants of the octahedron), normals outwards.
 Surface sphere(int n);
 
+/// A chain of n line elements, mapped from [0, 1]; nodes in order along it.
+Surface chain(ElementKind kind, int n, const std::function<Point(double)>& map);
+/// The interval [0, 1] on the x axis.
+Surface interval(ElementKind kind, int n);
+
 /// A flat disc of radius one in Q9 or T3 (four square patches pressed into quadrants, n x n each).
 Surface disc(ElementKind kind, int n);
 /// Both sides of a disc: T3, nodes doubled inside, single on the rim; the second side turned over, its nodes

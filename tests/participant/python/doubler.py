@@ -20,7 +20,8 @@ class Doubler(Solver):
         )
 
     def initialize(self):
-        return InterfaceMesh(points=np.array([[0, 0, 0], [1, 0, 0]]), mesh_node_count=2, mesh_hash="abc")
+        points = np.array([[0, 0, 0], [1, 0, 0]])
+        return InterfaceMesh(points=points, lines=np.array([[1, 0]]), mesh_node_count=2, mesh_hash="abc")
 
     def iterate(self, inputs):
         self.iterations += 1

@@ -127,6 +127,8 @@ class PythonPeer : public testing::Test {
     const wire::Message m = initialize();
     EXPECT_EQ(m.envelope.initialized().mesh_hash(), "abc");
     EXPECT_EQ(m.floats.at("points").values, (std::vector<double>{0, 0, 0, 1, 0, 0}));
+    EXPECT_EQ(m.indices.at("lines").shape, (std::vector<std::uint64_t>{1, 2}));
+    EXPECT_EQ(m.indices.at("lines").values, (std::vector<std::int64_t>{1, 0}));
   }
 
   zmq::context_t context_;
