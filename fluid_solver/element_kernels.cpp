@@ -30,7 +30,29 @@ inline void scatter(const std::int32_t* rows, const Batch from[dim + 1][n], doub
     }
 }
 
-/// Adds block (a, b) of eight elements to the matrix.
+using Floats = float __attribute__((vector_size(32)));
+
+/// Turns eight rows of eight into eight columns.
+inline void transpose(Floats r[8]) noexcept {
+  Floats t[8];
+  Floats u[8];
+  for (int k = 0; k < 8; k += 2) {
+    t[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+    t[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+  }
+  for (int k = 0; k < 8; k += 4)
+    for (int h = 0; h < 2; ++h) {
+      u[k + 2 * h] = __builtin_shufflevector(t[k + h], t[k + h + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      u[k + 2 * h + 1] = __builtin_shufflevector(t[k + h], t[k + h + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  for (int k = 0; k < 4; ++k) {
+    r[k] = __builtin_shufflevector(u[k], u[k + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    r[k + 4] = __builtin_shufflevector(u[k], u[k + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+}
+
+/// Adds block (a, b) of eight elements to the matrix: eight scalars of a block at a time, transposed so that
+/// those of an element lie side by side.
 template <int dim, int n>
 struct MatrixSink {
   const std::int32_t* entry;
@@ -38,17 +60,23 @@ struct MatrixSink {
   la::BlockMatrix<n>* matrix;
 
   void operator()(int a, int b, const Batch* block) const noexcept {
-    alignas(64) double lanes[n * n * batch_size];
-    for (int q = 0; q < n * n; ++q) {
-      const Batch scaled = block[q] * scale[q];
-      __builtin_memcpy(lanes + q * batch_size, &scaled, sizeof(scaled));
-    }
     constexpr int nodes = dim + 1;
+    alignas(64) float nowhere[n * n]; // for rows of other ranks
+    float* to[batch_size];
     for (int l = 0; l < batch_size; ++l) {
       const std::int32_t position = entry[nodes * nodes * l + nodes * a + b];
-      if (position < 0) continue;
-      float* to = matrix->block(position);
-      for (int q = 0; q < n * n; ++q) to[q] += static_cast<float>(lanes[q * batch_size + l]);
+      to[l] = position < 0 ? nowhere : matrix->block(position);
+    }
+    for (int q = 0; q < n * n; q += 8) {
+      Floats rows[8];
+      for (int k = 0; k < 8; ++k) rows[k] = __builtin_convertvector(block[q + k] * scale[q + k], Floats);
+      transpose(rows);
+      for (int l = 0; l < batch_size; ++l) {
+        Floats sum;
+        __builtin_memcpy(&sum, to[l] + q, sizeof(sum));
+        sum += rows[l];
+        __builtin_memcpy(to[l] + q, &sum, sizeof(sum));
+      }
     }
   }
 };

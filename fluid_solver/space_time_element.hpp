@@ -51,26 +51,39 @@ inline void values_in_slab(const SpaceTimeValues<dim, Real>& in, double theta, d
   }
 }
 
-/// Adds one time point's share of the 8 x 8 tangent block (column-major).
-template <int dim, class Real>
-inline void add_slab_tangent(const InstantTangent<dim, Real>& t, double theta, double dt,
-                             Real block[64]) noexcept {
-  const double T[2] = {1.0 - theta, theta};
+/// The 8 x 8 tangent block (column-major) from those at the time points; jump: int N_a N_b at t_n.
+template <int points, int dim, class Real>
+inline void slab_tangent(const InstantTangent<dim, Real> t[points], Real jump, double dt,
+                         Real block[64]) noexcept {
+  constexpr SlabRule<points> slab;
   const double D[2] = {-1.0 / dt, 1.0 / dt};
   for (int be = 0; be < 2; ++be)
     for (int al = 0; al < 2; ++al) {
-      const double TT = T[al] * T[be];
-      const double TD = T[al] * D[be];
-      const double DT = D[al] * T[be];
-      const Real rate = TD * t.momentum_rate + (D[al] * D[be]) * t.time_rate;
+      double TT[points], TD[points], DT[points];
+      Real rate = al == 0 && be == 0 ? jump : Real{};
+      for (int k = 0; k < points; ++k) {
+        const double T[2] = {1.0 - slab.theta[k], slab.theta[k]};
+        TT[k] = T[al] * T[be];
+        TD[k] = T[al] * D[be];
+        DT[k] = D[al] * T[be];
+        rate += TD[k] * t[k].momentum_rate + (D[al] * D[be]) * t[k].time_rate;
+      }
+      const auto sum = [&](auto&& term) {
+        Real value = term(0);
+        for (int k = 1; k < points; ++k) value += term(k);
+        return value;
+      };
       Real* q = block + 32 * be + 4 * al;
       for (int j = 0; j < dim; ++j) {
-        for (int i = 0; i < dim; ++i) q[8 * j + i] += TT * t.momentum_u[i][j] + DT * t.time_u[i][j];
+        for (int i = 0; i < dim; ++i)
+          q[8 * j + i] =
+              sum([&](int k) { return TT[k] * t[k].momentum_u[i][j] + DT[k] * t[k].time_u[i][j]; });
         q[8 * j + j] += rate;
-        q[8 * j + 3] += TT * t.continuity_u[j] + TD * t.continuity_rate[j];
-        q[24 + j] += TT * t.momentum_p[j] + DT * t.time_p[j];
+        q[8 * j + 3] =
+            sum([&](int k) { return TT[k] * t[k].continuity_u[j] + TD[k] * t[k].continuity_rate[j]; });
+        q[24 + j] = sum([&](int k) { return TT[k] * t[k].momentum_p[j] + DT[k] * t[k].time_p[j]; });
       }
-      q[27] += TT * t.continuity_p;
+      q[27] = sum([&](int k) { return TT[k] * t[k].continuity_p; });
     }
 }
 
@@ -109,16 +122,12 @@ inline void space_time_element(const SpaceTimeValues<dim, Real>& in, double dt, 
       }
   }
   if constexpr (tangent) {
-    InstantTangent<dim, Real> t;
-    Real block[64];
+    InstantTangent<dim, Real> t[points];
+    Real block[64] = {};
     for (int a = 0; a < nodes; ++a)
       for (int b = 0; b < nodes; ++b) {
-        for (Real& value : block) value = Real{};
-        for (int d = 0; d < dim; ++d) block[9 * d] = jump_V * (a == b ? 2.0 : 1.0);
-        for (int point = 0; point < points; ++point) {
-          instant_tangent<dim>(s[point], a, b, t);
-          add_slab_tangent(t, slab.theta[point], dt, block);
-        }
+        for (int point = 0; point < points; ++point) instant_tangent<dim>(s[point], a, b, t[point]);
+        slab_tangent<points, dim>(t, jump_V * (a == b ? 2.0 : 1.0), dt, block);
         sink(a, b, block);
       }
   }

@@ -25,13 +25,42 @@ Column<T, n>& column(T* block, int j) {
   return *reinterpret_cast<Column<T, n>*>(block + j * n);
 }
 
-/// Column j of a block of upper halves.
 template <int n>
-Column<float, n> expanded(const std::uint16_t* block, int j) {
-  const auto bits = __builtin_convertvector(column<n>(block, j), Column<std::uint32_t, n>) << 16;
+Column<float, n> as_floats(Column<std::uint32_t, n> bits) {
   Column<float, n> values;
   std::memcpy(&values, &bits, sizeof(values));
   return values;
+}
+
+/// sum -= B x for a halved block, its columns 2 m and 2 m + 1 in the lower and upper halves of n words each.
+template <int n>
+inline void subtract_product(const std::uint32_t* block, const float* x, Column<float, n> sum[4]) {
+  for (int m = 0; m < n / 2; ++m) {
+    const Column<std::uint32_t, n> pair = column<n>(block, m);
+    sum[2 * m % 4] -= as_floats<n>(pair << 16) * x[2 * m];
+    sum[2 * m % 4 + 1] -= as_floats<n>(pair & 0xffff0000U) * x[2 * m + 1];
+  }
+}
+
+/// The bits of a value rounded to nearest even in the upper half, the lower zero.
+std::uint32_t upper_half(float value) {
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &value, sizeof(bits));
+  return (bits + 0x7fffU + ((bits >> 16) & 1U)) & 0xffff0000U;
+}
+
+/// Halves blocks in place: they fill the first half of their memory.
+template <int n>
+void halve(std::size_t entries, float* A) noexcept {
+  auto* to = reinterpret_cast<char*>(A);
+  for (std::size_t k = 0; k < entries; ++k) {
+    const float* block = A + k * n * n;
+    std::uint32_t words[n * n / 2];
+    for (int m = 0; m < n / 2; ++m)
+      for (int i = 0; i < n; ++i)
+        words[m * n + i] = upper_half(block[(2 * m + 1) * n + i]) | (upper_half(block[2 * m * n + i]) >> 16);
+    std::memcpy(to + k * sizeof(words), words, sizeof(words));
+  }
 }
 
 /// Inverts a column-major block in double precision with partial pivoting. False when it is singular.
@@ -149,47 +178,35 @@ std::int32_t factor(const BlockRows& p, float* A, std::int32_t* position) noexce
 }
 
 template <int n>
-void solve(const BlockRows& p, const std::uint16_t* LU, const double* r, float* x, double* z) noexcept {
+void solve(const BlockRows& p, const float* LU, const double* r, float* x, double* z) noexcept {
   using Vector = Column<float, n>;
+  const auto* words = reinterpret_cast<const std::uint32_t*>(LU);
+  const auto block = [&](std::int32_t k) { return words + static_cast<std::ptrdiff_t>(k) * (n * n / 2); };
+  const auto part = [&](std::int32_t i) { return x + static_cast<std::ptrdiff_t>(i) * n; };
   for (std::int32_t i = 0; i < p.rows; ++i) {
-    Vector even = __builtin_convertvector(column<n>(r, i), Vector);
-    Vector odd{};
-    const std::uint16_t* b = LU + static_cast<std::ptrdiff_t>(p.row_start[i]) * n * n;
-    for (std::int32_t k = p.row_start[i]; k < p.diagonal[i]; ++k, b += n * n) {
-      const float* xj = x + static_cast<std::ptrdiff_t>(p.column[k]) * n;
-      for (int j = 0; j < n; j += 2) {
-        even -= expanded<n>(b, j) * xj[j];
-        odd -= expanded<n>(b, j + 1) * xj[j + 1];
-      }
-    }
-    column<n>(x, i) = even + odd;
+    Vector sum[4] = {__builtin_convertvector(column<n>(r, i), Vector)};
+    for (std::int32_t k = p.row_start[i]; k < p.diagonal[i]; ++k)
+      subtract_product<n>(block(k), part(p.column[k]), sum);
+    column<n>(x, i) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
   for (std::int32_t i = p.rows - 1; i >= 0; --i) {
-    Vector even = column<n>(x, i);
-    Vector odd{};
-    const std::uint16_t* pivot = LU + static_cast<std::ptrdiff_t>(p.diagonal[i]) * n * n;
-    const std::uint16_t* b = pivot + n * n;
-    for (std::int32_t k = p.diagonal[i] + 1; k < p.row_start[i + 1] && p.column[k] < p.rows;
-         ++k, b += n * n) {
-      const float* xj = x + static_cast<std::ptrdiff_t>(p.column[k]) * n;
-      for (int j = 0; j < n; j += 2) {
-        even -= expanded<n>(b, j) * xj[j];
-        odd -= expanded<n>(b, j + 1) * xj[j + 1];
-      }
-    }
-    even += odd;
-    Vector solved{};
-    for (int j = 0; j < n; ++j) solved += expanded<n>(pivot, j) * even[j];
-    column<n>(x, i) = solved;
-    column<n>(z, i) = __builtin_convertvector(solved, Column<double, n>);
+    Vector sum[4] = {column<n>(x, i)};
+    for (std::int32_t k = p.diagonal[i] + 1; k < p.row_start[i + 1] && p.column[k] < p.rows; ++k)
+      subtract_product<n>(block(k), part(p.column[k]), sum);
+    column<n>(x, i) = -((sum[0] + sum[1]) + (sum[2] + sum[3]));
+    Vector solved[4] = {};
+    subtract_product<n>(block(p.diagonal[i]), part(i), solved);
+    const Vector value = (solved[0] + solved[1]) + (solved[2] + solved[3]);
+    column<n>(x, i) = value;
+    column<n>(z, i) = __builtin_convertvector(value, Column<double, n>);
   }
 }
 
 } // namespace
 
-const BlockKernels<4> block_kernels_4{multiply<4>, copy_fourth_rows<4>, fourth_row_defect<4>, factor<4>,
-                                      solve<4>};
-const BlockKernels<8> block_kernels_8{multiply<8>, copy_fourth_rows<8>, fourth_row_defect<8>, factor<8>,
-                                      solve<8>};
+const BlockKernels<4> block_kernels_4{
+    multiply<4>, copy_fourth_rows<4>, fourth_row_defect<4>, factor<4>, halve<4>, solve<4>};
+const BlockKernels<8> block_kernels_8{
+    multiply<8>, copy_fourth_rows<8>, fourth_row_defect<8>, factor<8>, halve<8>, solve<8>};
 
 } // namespace drogue::la::DROGUE_ISA

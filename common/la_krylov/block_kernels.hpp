@@ -5,7 +5,7 @@
 #include <cstdint>
 
 /// The loops behind BlockMatrix, FourthRows and BlockIlu, compiled for each instruction set. Blocks are n x
-/// n, column-major, single precision, or cut to their upper 16 bits.
+/// n, column-major, in single precision; those of the factor are rounded to the upper 16 bits of it.
 namespace drogue::la {
 
 /// LocalPattern in plain pointers.
@@ -28,9 +28,10 @@ struct BlockKernels {
   /// Incomplete factorisation in place; position {columns} holds -1 before and after. Returns the row of a
   /// singular pivot, or -1.
   std::int32_t (*factor)(const BlockRows& p, float* A, std::int32_t* position) noexcept;
-  /// z = (L U)^-1 r with the factor's upper halves; work {rows, n}.
-  void (*solve)(const BlockRows& p, const std::uint16_t* LU, const double* r, float* work,
-                double* z) noexcept;
+  /// Rounds the values to 16 bits, two columns in a word; they then fill the first half of their memory.
+  void (*halve)(std::size_t entries, float* A) noexcept;
+  /// z = (L U)^-1 r with the halved factor; work {rows, n}.
+  void (*solve)(const BlockRows& p, const float* LU, const double* r, float* work, double* z) noexcept;
 };
 
 namespace baseline {

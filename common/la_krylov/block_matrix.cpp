@@ -27,17 +27,6 @@ BlockRows rows_of(const LocalPattern& p) {
   return {p.rows, p.row_start.data(), p.column.data(), p.diagonal.data()};
 }
 
-/// The upper half of each value, rounded to nearest, in the first half of the memory.
-void halve(float* values, std::size_t count) {
-  auto* halves = reinterpret_cast<std::uint16_t*>(values);
-  for (std::size_t k = 0; k < count; ++k) {
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, values + k, sizeof(bits));
-    const auto upper = static_cast<std::uint16_t>((bits + 0x7fffU + ((bits >> 16) & 1U)) >> 16);
-    std::memcpy(halves + k, &upper, sizeof(upper));
-  }
-}
-
 } // namespace
 
 template <int n>
@@ -76,14 +65,13 @@ std::optional<std::int32_t> BlockIlu<n>::factor(const BlockMatrix<n>& A) {
   const std::int32_t singular =
       block_kernels<n>().factor(rows_of(*pattern_), values_.data(), position_.data());
   if (singular >= 0) return singular;
-  halve(values_.data(), values_.size());
+  block_kernels<n>().halve(pattern_->column.size(), values_.data());
   return std::nullopt;
 }
 
 template <int n>
 void BlockIlu<n>::apply(const double* r, double* z) noexcept {
-  block_kernels<n>().solve(rows_of(*pattern_), reinterpret_cast<const std::uint16_t*>(values_.data()), r,
-                           work_.data(), z);
+  block_kernels<n>().solve(rows_of(*pattern_), values_.data(), r, work_.data(), z);
 }
 
 template class BlockMatrix<4>;
