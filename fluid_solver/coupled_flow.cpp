@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/la_krylov/session.hpp"
+#include "fluid_solver/consistent_traction.hpp"
 #include "fluid_solver/flow_fields.hpp"
 
 namespace drogue::fluid {
@@ -80,7 +81,7 @@ Result<void> CoupledFlow::initialize() {
 Result<void> CoupledFlow::restore(const std::string& directory) {
   const auto file = io::read_state(std::filesystem::path(directory) / state_file);
   if (!file) return file.error();
-  DROGUE_TRY(run_.solver().import_state(*file));
+  DROGUE_TRY(run_.import_state(*file));
   return resume_ ? run_.restore_positions(std::filesystem::path(directory) / positions_file) : Result<void>();
 }
 
@@ -111,10 +112,14 @@ Result<void> CoupledFlow::iterate(const std::vector<double>& numbers) {
   auto report = solver.newton(input_.settings.newton.iterations_per_coupling, true);
   if (!report) return report.error();
   report_ = *report;
+  if (input_.settings.interface_load != InterfaceLoad::consistent_traction) return {};
+  // 4. the residual of the last iterate
+  if (const auto last = solver.finish(); !last) return last.error();
+  forces_ = nodal_forces(input_.settings, input_.mesh, solver);
   return {};
 }
 
-std::vector<double> CoupledFlow::load() const {
+Result<std::vector<double>> CoupledFlow::load() const {
   const auto& solver = run_.solver();
   std::vector<double> out;
   if (input_.settings.interface_load == InterfaceLoad::pressure) {
@@ -125,13 +130,21 @@ std::vector<double> CoupledFlow::load() const {
   }
   const auto boundaries = boundary_indices(input_.mesh, input_.settings.interface);
   const std::vector<std::int32_t> nodes = input_.mesh.nodes_of(boundaries);
-  const std::vector<double> t =
-      nodal_traction(input_.settings, input_.mesh, solver.step_data().x_np1, solver.velocity_np1(),
-                     solver.pressure_np1(), boundaries, nodes);
+  const std::vector<double>& x = solver.step_data().x_np1;
+  std::vector<double> t;
+  if (input_.settings.interface_load == InterfaceLoad::traction) {
+    t = nodal_traction(input_.settings, input_.mesh, x, solver.velocity_np1(), solver.pressure_np1(),
+                       boundaries, nodes);
+    for (double& value : t) value *= input_.settings.density;
+  } else {
+    auto made = traction_of(forces_, input_.mesh, x, boundaries, nodes);
+    if (!made) return made.error();
+    t = std::move(*made);
+  }
   for (const std::int32_t node : interface_file_nodes_) {
     const auto k = static_cast<std::size_t>(
         std::lower_bound(nodes.begin(), nodes.end(), input_.mesh.from_file[at(node)]) - nodes.begin());
-    for (std::size_t d = 0; d < 3; ++d) out.push_back(input_.settings.density * t[3 * k + d]);
+    for (std::size_t d = 0; d < 3; ++d) out.push_back(t[3 * k + d]);
   }
   return out;
 }

@@ -53,7 +53,7 @@ class CoupledFlow {
   }
   /// Load at t_{n+1}^-: pressure {n} or traction {n, 3}, as the settings say; and the slab's mean pressure
   /// {n}.
-  [[nodiscard]] std::vector<double> load() const;
+  [[nodiscard]] Result<std::vector<double>> load() const;
   [[nodiscard]] std::vector<double> mean_pressure() const;
 
  private:
@@ -66,6 +66,7 @@ class CoupledFlow {
   std::vector<std::int32_t> interface_file_nodes_;
   std::vector<double> base_points_; ///< solver's order
   NewtonReport report_;
+  std::vector<double> forces_; ///< nodal, of the last iterate, for the consistent traction
   bool resume_ = false;
 };
 

@@ -110,16 +110,16 @@ struct Element<dim, 4, 1> {
   template <bool tangent, class Sink>
   static void evaluate(const Values& in, const StepData& data, const StandardCoefficients& rule,
                        Batch residual[dim + 1][4], Sink&& sink) noexcept {
-    semi_discrete_element<tangent>(in, data.rate, rule, residual, sink);
+    semi_discrete_element<tangent>(in, data.rate, rule.parameters, rule, residual, sink);
   }
 };
 template <int dim, int time_points>
 struct Element<dim, 8, time_points> {
   using Values = SpaceTimeValues<dim, Batch>;
   template <bool tangent, class Sink>
-  static void evaluate(const Values& in, const StepData& data, const StandardCoefficients& rule,
+  static void evaluate(const Values& in, const StepData&, const StandardCoefficients& rule,
                        Batch residual[dim + 1][8], Sink&& sink) noexcept {
-    space_time_element<tangent, time_points>(in, data.dt, rule, residual, sink);
+    space_time_element<tangent, time_points>(in, rule.parameters, rule, residual, sink);
   }
 };
 

@@ -9,6 +9,9 @@ struct FlowParameters {
   double nu = 0;          ///< molecular kinematic viscosity [length^2/time]
   double smagorinsky = 0; ///< Cs; 0 switches the model off
   bool lsic = true;
+  bool convection = true; ///< false: the equations without c . grad u, for divergence-free starts
+  /// Tangent with the derivative of the advecting velocity (Newton), or with that velocity held (Picard).
+  bool newton = true;
   double tau_dt = 0; ///< time step in tau [time]; dt unless a study of the order in time holds it
 };
 

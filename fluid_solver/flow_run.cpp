@@ -65,12 +65,39 @@ Result<void> agree(Result<void> of_rank_0) {
 
 Result<void> FlowRun::start() {
   const auto& file = input_.settings.initial_state;
-  if (!file) return {};
-  const auto state = io::read_state(*file);
-  if (!state) return state.error();
-  if (const auto done = solver_.import_state(*state); !done)
-    return config_error("{}: {}", file->string(), done.error().message);
+  if (file) {
+    const auto state = io::read_state(*file);
+    if (!state) return state.error();
+    if (const auto done = solver_.import_state(*state); !done)
+      return config_error("{}: {}", file->string(), done.error().message);
+  }
+  return input_.settings.project_initial_flow ? solver_.project_velocity() : Result<void>();
+}
+
+Result<void> FlowRun::import_state(const io::State& file) {
+  DROGUE_TRY(solver_.import_state(file));
+  const auto by_nodes = [&](int components) {
+    return [this, components](std::span<const double> v) {
+      return input_.mesh.reordered_from_file(v, components);
+    };
+  };
+  averages_.velocity.load("velocity", file, by_nodes(3));
+  averages_.pressure.load("pressure", file, by_nodes(1));
+  averages_.forces.load("forces", file, [](const std::vector<double>& v) { return v; });
   return {};
+}
+
+void FlowRun::average(const StepFigures& figures) {
+  const FlowState& s = solver_.state();
+  const double dt = solver_.step_data().dt;
+  const auto from = input_.settings.average_from;
+  if (!from || s.time - 0.5 * dt < *from) return;
+  averages_.velocity.add(dt, s.u);
+  averages_.pressure.add(dt, s.p);
+  std::vector<double> totals;
+  for (const SurfaceForce& force : figures.forces)
+    for (const double value : force.total()) totals.push_back(value);
+  averages_.forces.add(dt, totals);
 }
 
 Result<void> FlowRun::open_results(const std::filesystem::path& directory, io::Existing existing) {
@@ -97,6 +124,7 @@ Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_toler
   figures.newton = *newton;
   figures.forces = surface_forces(input_.settings, input_.mesh, solver_);
   solver_.commit();
+  average(figures);
   Result<void> written;
   if (results_) {
     const FlowState& s = solver_.state();
@@ -106,18 +134,29 @@ Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_toler
     for (std::size_t i = 0; i < relative.size(); ++i) relative[i] -= (data.x_np1[i] - data.x_n[i]) / data.dt;
     figures.mass_imbalance = mass_imbalance(input_.mesh, s.x, relative);
     written = results_->write_series(s, figures);
-    if (written && write_fields) written = results_->write_fields(s, false);
+    if (written && write_fields) written = results_->write_fields(s, averages_, false);
+    if (written) written = results_->write_averages(averages_);
   }
   if (const auto all = agree(written); !all) return all.error();
   return figures;
 }
 
 Result<void> FlowRun::write_last_fields() {
-  return agree(results_ ? results_->write_fields(solver_.state(), true) : Result<void>());
+  return agree(results_ ? results_->write_fields(solver_.state(), averages_, true) : Result<void>());
 }
 
 Result<void> FlowRun::write_state(const std::filesystem::path& file) {
-  return agree(la::rank() == 0 ? io::write_state(file, solver_.export_state()) : Result<void>());
+  if (la::rank() != 0) return agree({});
+  io::State state = solver_.export_state();
+  const auto by_nodes = [&](int components) {
+    return [this, components](std::span<const double> v) {
+      return input_.mesh.reordered_to_file(v, components);
+    };
+  };
+  averages_.velocity.save("velocity", state, by_nodes(3));
+  averages_.pressure.save("pressure", state, by_nodes(1));
+  averages_.forces.save("forces", state, [](const std::vector<double>& v) { return v; });
+  return agree(io::write_state(file, state));
 }
 
 Result<void> FlowRun::save_positions(const std::filesystem::path& file) {

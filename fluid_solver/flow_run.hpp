@@ -8,6 +8,7 @@
 
 #include "common/base/result.hpp"
 #include "common/base/role.hpp"
+#include "fluid_solver/averages.hpp"
 #include "fluid_solver/flow_solver.hpp"
 #include "fluid_solver/results.hpp"
 #include "fluid_solver/settings.hpp"
@@ -29,7 +30,8 @@ class FlowRun {
  public:
   explicit FlowRun(const Case& input) : input_(input), solver_(input.settings, input.mesh) {}
 
-  /// Reads the initial state, if the settings name one.
+  /// Reads the initial state, if the settings name one; makes the initial flow divergence-free, if they say
+  /// so.
   [[nodiscard]] Result<void> start();
   /// @note Collective
   [[nodiscard]] Result<void> open_results(const std::filesystem::path& directory,
@@ -43,6 +45,8 @@ class FlowRun {
   finish_step(bool write_fields, double failure_tolerance = std::numeric_limits<double>::infinity());
   /// The last committed state's fields, unless they are written. @note Collective
   [[nodiscard]] Result<void> write_last_fields();
+  /// Takes over a state with its averages. Errors: as FlowSolver::import_state.
+  [[nodiscard]] Result<void> import_state(const io::State& file);
   /// @note Collective
   [[nodiscard]] Result<void> write_state(const std::filesystem::path& file);
   /// How far the files are written. @note Collective
@@ -52,7 +56,10 @@ class FlowRun {
  private:
   const Case& input_;
   FlowSolver solver_;
+  void average(const StepFigures& figures);
+
   std::optional<Results> results_;
+  FieldAverages averages_;
 };
 
 /// Rank 0's outcome on every rank. @note Collective

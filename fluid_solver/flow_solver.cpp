@@ -123,6 +123,7 @@ Result<void> FlowSolver::begin_step(const StepScheme& scheme, double dt) {
   data_.x_n = data_.x_np1 = state_.x;
   data_.u_n = state_.u;
   data_.time_points = scheme.time_points;
+  convection_ = scheme.convection;
   if (scheme.formulation == Formulation::semi_discrete) set_time_difference(scheme.time_order);
   data_.wall_n = data_.wall_np1 = state_.wall_velocity;
   data_.f_n = at_nodes(settings_.body_force, state_.x, state_.time);
@@ -176,7 +177,7 @@ void FlowSolver::set_scale() {
   if (n == 8) speed = std::max(speed, largest_norm(std::span(data_.unknowns).subspan(4), n));
   if (speed == 0) speed = largest_norm(data_.f_np1, 3) * data_.dt;
   if (speed == 0) speed = h / data_.dt;
-  active_->begin_step(data_.dt, speed);
+  active_->begin_step(data_.dt, speed, convection_);
   residual_floor_ = 1e-12 * speed * speed * std::pow(h, mesh_.dimension - 1) * std::sqrt(mesh_.node_count()) *
                     (n == 8 ? data_.dt : 1.0);
 }
@@ -191,6 +192,42 @@ Result<double> FlowSolver::evaluate(bool jacobian) {
   total_.worst = std::max(total_.worst, total_.residual);
   total_.converged = total_.residual <= settings_.newton.residual_tolerance || *norm <= residual_floor_;
   return norm;
+}
+
+/// Solves for a correction and adds it; with line search, the half of it, a quarter, ... until the residual
+/// is below what it was.
+Result<la::Outcome> FlowSolver::correct(double residual) {
+  const double shortest = settings_.newton.shortest_correction;
+  if (shortest >= 1) return active_->solve_and_add(data_.unknowns);
+  before_ = data_.unknowns;
+  auto solved = active_->solve_and_add(data_.unknowns);
+  if (!solved) return solved;
+  for (double length = 1; length > shortest; length *= 0.5) {
+    const auto norm = evaluate(false);
+    if (norm.ok() && *norm < residual) break;
+    for (std::size_t i = 0; i < before_.size(); ++i)
+      data_.unknowns[i] = 0.5 * (data_.unknowns[i] + before_[i]);
+  }
+  return solved;
+}
+
+Result<void> FlowSolver::project_velocity() {
+  const FlowState start = state_;
+  const double h = std::pow(total_volume(mesh_) / mesh_.cell_count(), 1.0 / mesh_.dimension);
+  const double speed = largest_norm(state_.u, 3);
+  const double dt = 1e-3 * h / (speed > 0 ? speed : 1.0);
+  DROGUE_TRY(begin_step({.formulation = Formulation::semi_discrete, .convection = false}, dt));
+  const auto report = newton(20, true);
+  if (!report) return report.error();
+  if (!report->linear_converged || report->residual > 1e-6)
+    return numerical_error(
+        "the projection of the initial velocity does not converge: residual {:.1e} of the first",
+        report->residual);
+  commit();
+  std::vector<double> u = std::move(state_.u);
+  state_ = start;
+  state_.u = std::move(u);
+  return {};
 }
 
 Result<NewtonReport> FlowSolver::newton(int iterations, bool all) {
@@ -208,7 +245,7 @@ Result<NewtonReport> FlowSolver::newton(int iterations, bool all) {
     previous = *norm;
     if (jacobian) updates_since_jacobian_ = 0;
     if (all ? *norm <= residual_floor_ : total_.converged) break;
-    const auto solved = active_->solve_and_add(data_.unknowns);
+    const auto solved = correct(*norm);
     if (!solved) return solved.error();
     ++updates_since_jacobian_;
     ++report.iterations;

@@ -33,8 +33,9 @@ struct FlowState {
 /// with order 1.
 struct StepScheme {
   Formulation formulation = Formulation::dsd_sst;
-  int time_order = 1;  ///< of semi_discrete
-  int time_points = 2; ///< quadrature points of dsd_sst in time
+  int time_order = 1;     ///< of semi_discrete
+  int time_points = 2;    ///< quadrature points of dsd_sst in time
+  bool convection = true; ///< of semi_discrete
 };
 
 /// Newton iterations of one call, or summed over a step.
@@ -71,6 +72,10 @@ class FlowSolver {
     state_.step = step;
   }
 
+  /// Projects the committed velocity on fields without divergence (in the stabilised equations) that meet the
+  /// boundary conditions at its time: a step too short for anything but the pressure to act. The pressure
+  /// stays.
+  [[nodiscard]] Result<void> project_velocity();
   [[nodiscard]] Result<void> begin_step(const StepScheme& scheme, double dt);
   /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at walls. Not called:
   /// mesh and walls stay at rest. Errors (retryable): an inverted element.
@@ -97,6 +102,7 @@ class FlowSolver {
   [[nodiscard]] Result<double> evaluate(bool jacobian);
   void apply_constraints();
   void set_scale();
+  [[nodiscard]] Result<la::Outcome> correct(double residual);
   void set_time_difference(int order);
 
   const Settings& settings_;
@@ -109,6 +115,8 @@ class FlowSolver {
   NewtonReport total_;
   std::optional<double> first_residual_;
   double residual_floor_ = 0;
+  bool convection_ = true;
+  std::vector<double> before_;      ///< unknowns before a correction
   int updates_since_jacobian_ = -1; ///< -1: no Jacobian in this step yet
 };
 

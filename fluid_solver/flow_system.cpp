@@ -112,13 +112,18 @@ class BlockFlowSystem final : public FlowSystem {
   [[nodiscard]] std::span<const double> residual() const override { return residual_; }
   [[nodiscard]] la::RowRange own_rows() const override { return own_; }
 
-  void begin_step(double dt, double reference_speed) override {
+  void begin_step(double dt, double reference_speed, bool convection) override {
     for (std::size_t q = 0; q < levels; ++q) {
       std::fill_n(scale_.begin() + static_cast<std::ptrdiff_t>(4 * q), 3, 1.0);
       scale_[4 * q + 3] = reference_speed;
     }
-    parameters_ = {dt, settings_.kinematic_viscosity(), settings_.smagorinsky, settings_.lsic,
-                   settings_.tau_step.value_or(dt)};
+    parameters_ = {.dt = dt,
+                   .nu = settings_.kinematic_viscosity(),
+                   .smagorinsky = settings_.smagorinsky,
+                   .lsic = settings_.lsic,
+                   .convection = convection,
+                   .newton = !settings_.newton.picard,
+                   .tau_dt = settings_.tau_step.value_or(dt)};
     const double u2 = reference_speed * reference_speed;
     schur_inverse_ =
         levels == 2 ? (1 / u2) * inverse(slab_schur_matrix(dt)) : Matrix2{1 / (dt * u2), 0, 0, 0};

@@ -28,8 +28,9 @@ class FlowSystem {
   virtual ~FlowSystem() = default;
   /// 4 or 8.
   [[nodiscard]] virtual int unknowns() const = 0;
-  /// Sets dt and U. The Jacobian must be evaluated afterwards.
-  virtual void begin_step(double dt, double reference_speed) = 0;
+  /// Sets dt and U; `convection` false leaves the convective terms out. The Jacobian must be evaluated
+  /// afterwards.
+  virtual void begin_step(double dt, double reference_speed, bool convection) = 0;
   /// Residual (and Jacobian with its factorisation) at data.unknowns, which must satisfy the constraints.
   /// Returns the scaled norm over the free rows. @note Collective
   [[nodiscard]] virtual Result<double> evaluate(const StepData& data, bool jacobian) = 0;

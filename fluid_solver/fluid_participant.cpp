@@ -75,8 +75,8 @@ Result<participant::InterfaceMesh> FluidParticipant::initialize() {
   for (const BoundaryFace& face : mesh.faces) {
     if (std::find(boundaries.begin(), boundaries.end(), face.boundary) == boundaries.end()) continue;
     for (const std::int32_t node : face.nodes())
-      m.triangles.push_back(std::lower_bound(nodes.begin(), nodes.end(), mesh.to_file[at(node)]) -
-                            nodes.begin());
+      (mesh.dimension == 2 ? m.lines : m.triangles)
+          .push_back(std::lower_bound(nodes.begin(), nodes.end(), mesh.to_file[at(node)]) - nodes.begin());
   }
   m.mesh_nodes.assign(nodes.begin(), nodes.end());
   m.mesh_node_count = at(mesh.node_count());
@@ -101,7 +101,9 @@ Result<participant::IterationReport> FluidParticipant::iterate(const participant
     numbers.insert(numbers.end(), start->second.values.begin(), start->second.values.end());
   DROGUE_TRY(order(Order::Kind::iterate, std::move(numbers)));
   const bool pressure = input_.settings.interface_load == InterfaceLoad::pressure;
-  outputs[pressure ? "pressure" : "traction"] = array(flow_.load(), pressure ? 1 : 3);
+  auto load = flow_.load();
+  if (!load) return load.error();
+  outputs[pressure ? "pressure" : "traction"] = array(std::move(*load), pressure ? 1 : 3);
   outputs["mean_pressure"] = array(flow_.mean_pressure(), 1);
   const NewtonReport& report = flow_.last_report();
   return participant::IterationReport{static_cast<std::uint32_t>(report.iterations), report.residual,

@@ -21,7 +21,8 @@
 /// Every integrand is a product of linear functions and constants; the integrals are closed-form: with
 /// m = dim + 1 nodes int N_a = V/m, int N_a N_b = V/(m (m + 1)) (1 + delta_ab). No quadrature error in space.
 ///
-/// The tangent is that of F, C, Ft with the coefficients nu, tau and tau_lsic held.
+/// The tangent is that of F, C, Ft with the coefficients nu, tau and tau_lsic held; in Picard's iteration the
+/// advecting velocity c is held as well.
 namespace drogue::fluid::inline DROGUE_ISA {
 
 /// Nodal values at the instant.
@@ -56,6 +57,8 @@ struct Instant {
   Real grad_u[dim][dim];
   Real weight;               ///< volume times the quadrature weight in time
   Real r_mass[nodes][dim];   ///< int N_a r [weighted]
+  Real dc_grad_u[dim][dim];  ///< grad_u where the tangent lets c vary, else zero
+  Real tau_dc_r[nodes][dim]; ///< tau int N_a r where it does
   Real c_mean[dim];          ///< centroid value of c
   Real advect[nodes][nodes]; ///< int N_a c . grad N_b [weighted]
   Real cc[dim][dim];         ///< int c_i c_j [weighted]
@@ -66,10 +69,11 @@ struct Instant {
 };
 
 /// Evaluates geometry-dependent integrals and the three residuals of the element. `rule(point, geometry, c,
-/// grad_u)` gives the coefficients. weight_in_time: 1, or the Gauss weight times dt.
+/// grad_u)` gives the coefficients. weight_in_time: 1, or the Gauss weight times dt. vary_c: whether the
+/// tangent is to have the derivative with respect to c.
 template <int dim, class Real, class Rule>
 inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real>& v, double weight_in_time,
-                             const Rule& rule, int point, Instant<dim, Real>& s) noexcept {
+                             const Rule& rule, int point, bool vary_c, Instant<dim, Real>& s) noexcept {
   constexpr int nodes = dim + 1;
   s.geometry = simplex_geometry(x);
   const auto& g = s.geometry.gradient;
@@ -113,6 +117,9 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
       c_r[k][d] = V_pair * sum + V_mean * c_sum[k] * grad_p[d];
       s.cc[k][d] = V_pair * product;
     }
+  const double vary = vary_c ? 1.0 : 0.0;
+  for (int k = 0; k < dim; ++k)
+    for (int d = 0; d < dim; ++d) s.dc_grad_u[k][d] = vary * s.grad_u[k][d];
   Real div = s.grad_u[0][0];
   for (int d = 1; d < dim; ++d) div += s.grad_u[d][d];
   Real p_sum = v.p[0];
@@ -127,6 +134,7 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
         f += g[a][j] * (s.k.nu * V * (s.grad_u[d][j] + s.grad_u[j][d]) + s.k.tau * c_r[j][d]);
       s.momentum[a][d] = f;
       s.time_test[a][d] = s.k.tau * s.r_mass[a][d];
+      s.tau_dc_r[a][d] = vary * s.time_test[a][d];
     }
     Real q = V_mean * div;
     for (int d = 0; d < dim; ++d) q += s.k.tau * g[a][d] * (V_mean * inertia_sum[d] + V * grad_p[d]);
@@ -177,10 +185,10 @@ inline void instant_tangent(const Instant<dim, Real>& s, int a, int b,
   for (int j = 0; j < dim; ++j) {
     Real projected{}; // sum_i ga_i du_i/dx_j
     for (int i = 0; i < dim; ++i) {
-      t.momentum_u[i][j] = nu_V * ga[j] * gb[i] + lsic_V * ga[i] * gb[j] + mass_advect * s.grad_u[i][j] +
-                           tau * ga[j] * s.r_mass[b][i];
-      t.time_u[i][j] = tau_mass * s.grad_u[i][j];
-      projected += ga[i] * s.grad_u[i][j];
+      t.momentum_u[i][j] = nu_V * ga[j] * gb[i] + lsic_V * ga[i] * gb[j] + mass_advect * s.dc_grad_u[i][j] +
+                           ga[j] * s.tau_dc_r[b][i];
+      t.time_u[i][j] = tau_mass * s.dc_grad_u[i][j];
+      projected += ga[i] * s.dc_grad_u[i][j];
     }
     t.momentum_u[j][j] += diagonal;
     t.time_u[j][j] += tau * s.advect[a][b];

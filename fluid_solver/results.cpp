@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "common/io/atomic_file.hpp"
 #include "fluid_solver/flow_fields.hpp"
 
 namespace drogue::fluid {
@@ -96,7 +97,19 @@ Result<void> Results::write_series(const FlowState& state, const StepFigures& f)
   return forces_.row(row);
 }
 
-Result<void> Results::write_fields(const FlowState& state, bool force) {
+Result<void> Results::write_averages(const FieldAverages& averages) const {
+  if (averages.forces.empty()) return {};
+  std::string text = "force,time,mean_x,mean_y,mean_z,rms_x,rms_y,rms_z\n";
+  const std::vector<double>& mean = averages.forces.mean();
+  const std::vector<double> rms = averages.forces.rms();
+  for (std::size_t i = 0; i < settings_->forces.size(); ++i)
+    text += fmt::format("{},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g},{:.10g}\n",
+                        settings_->forces[i].name, averages.forces.weight(), mean[3 * i], mean[3 * i + 1],
+                        mean[3 * i + 2], rms[3 * i], rms[3 * i + 1], rms[3 * i + 2]);
+  return io::write_file(directory_ / "averages.csv", text);
+}
+
+Result<void> Results::write_fields(const FlowState& state, const FieldAverages& averages, bool force) {
   const auto interval = static_cast<std::uint64_t>(settings_->output.field_interval);
   if (interval == 0 || last_field_step_ == state.step) return {};
   if (!force && state.step % interval != 0) return {};
@@ -122,6 +135,20 @@ Result<void> Results::write_fields(const FlowState& state, bool force) {
                      {"vorticity", 3, vorticity},
                      {"Q", 1, q},
                      {"eddy_viscosity", 1, eddy}};
+  std::vector<double> displacement = points;
+  for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] -= mesh_->file.points[i];
+  data.point_data.push_back({"mesh_displacement", 3, displacement});
+  std::vector<double> means[4];
+  if (!averages.velocity.empty()) {
+    means[0] = in_file_order(averages.velocity.mean(), 3);
+    means[1] = in_file_order(averages.velocity.rms(), 3);
+    means[2] = in_file_order(averages.pressure.mean(), 1, rho);
+    means[3] = in_file_order(averages.pressure.rms(), 1, rho);
+    data.point_data.insert(data.point_data.end(), {{"velocity_mean", 3, means[0]},
+                                                   {"velocity_rms", 3, means[1]},
+                                                   {"pressure_mean", 1, means[2]},
+                                                   {"pressure_rms", 1, means[3]}});
+  }
   const std::filesystem::path file = directory_ / fmt::format("fluid_{:06}.vtu", state.step);
   DROGUE_TRY(io::write_vtu(file, data));
   last_field_step_ = state.step;

@@ -10,6 +10,7 @@
 #include "common/io/csv.hpp"
 #include "common/io/positions.hpp"
 #include "common/io/vtu.hpp"
+#include "fluid_solver/averages.hpp"
 #include "fluid_solver/flow_solver.hpp"
 #include "fluid_solver/forces.hpp"
 #include "fluid_solver/probes.hpp"
@@ -24,7 +25,8 @@ struct StepFigures {
   std::vector<SurfaceForce> forces;
 };
 
-/// All files of a run: fluid.pvd with fluid_*.vtu, flow.csv, forces.csv, probes.csv. Used on rank 0 only.
+/// All files of a run: fluid.pvd with fluid_*.vtu, flow.csv, forces.csv, probes.csv,
+/// averages.csv. Used on rank 0 only.
 class Results {
  public:
   [[nodiscard]] static Result<Results> create(const Settings& settings, const FluidMesh& mesh,
@@ -33,7 +35,9 @@ class Results {
   /// The probes' values, and a row of the other series when the step is due.
   [[nodiscard]] Result<void> write_series(const FlowState& state, const StepFigures& figures);
   /// Fields, when the step is due or `force` is set; never twice for a step, never with field_interval 0.
-  [[nodiscard]] Result<void> write_fields(const FlowState& state, bool force);
+  [[nodiscard]] Result<void> write_fields(const FlowState& state, const FieldAverages& averages, bool force);
+  /// averages.csv, anew; nothing before the averages start.
+  [[nodiscard]] Result<void> write_averages(const FieldAverages& averages) const;
 
   /// How far the files are written: noted for a checkpoint, and gone back to.
   [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file);

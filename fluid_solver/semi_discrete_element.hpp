@@ -20,19 +20,22 @@ struct SemiDiscreteValues {
 /// residual[a] = (F_a, C_a); with `tangent`, calls sink(a, b, block) for all node pairs, block[4 j + i]
 /// the derivative of residual[a][i] with respect to w[b][j].
 template <bool tangent, int dim, class Real, class Rule, class Sink>
-inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, double rate, const Rule& rule,
+inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, double rate,
+                                  const FlowParameters& parameters, const Rule& rule,
                                   Real residual[dim + 1][4], Sink&& sink) noexcept {
   constexpr int nodes = dim + 1;
+  const double convection = parameters.convection ? 1.0 : 0.0;
   InstantValues<dim, Real> v;
   for (int a = 0; a < nodes; ++a) {
     for (int d = 0; d < dim; ++d) {
-      v.u[a][d] = v.c[a][d] = in.w[a][d];
+      v.u[a][d] = in.w[a][d];
+      v.c[a][d] = convection * in.w[a][d];
       v.a[a][d] = rate * in.w[a][d] + in.history[a][d] - in.f[a][d];
     }
     v.p[a] = in.w[a][3];
   }
   Instant<dim, Real> s;
-  evaluate_instant<dim>(in.x, v, 1.0, rule, 0, s);
+  evaluate_instant<dim>(in.x, v, 1.0, rule, 0, parameters.newton && parameters.convection, s);
   for (int a = 0; a < nodes; ++a) {
     residual[a][2] = Real{};
     for (int d = 0; d < dim; ++d) residual[a][d] = s.momentum[a][d];

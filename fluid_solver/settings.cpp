@@ -100,6 +100,7 @@ void load_phases(const v1::FluidConfig& m, Settings& s, config::Report& report) 
     phase.steps = p.steps();
     phase.time_order = p.time_order();
     phase.time_points = p.time_points();
+    phase.steady_tolerance = p.steady_tolerance();
     if (p.has_mesh_displacement()) phase.mesh_displacement = expression(p.mesh_displacement());
     if (phase.mesh_displacement && phase.formulation == Formulation::semi_discrete)
       report.error(s.source.where(fmt::format("phase[{}].mesh_displacement", i)),
@@ -145,6 +146,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   if (m.has_final_state()) s.final_state = m.final_state();
   s.initial_velocity = expression(m.initial_velocity());
   s.initial_pressure = expression(m.initial_pressure());
+  s.project_initial_flow = m.initial_flow() == v1::FluidConfig::PROJECTED;
   s.density = m.density();
   s.dynamic_viscosity = m.dynamic_viscosity();
   s.smagorinsky = m.smagorinsky();
@@ -152,18 +154,23 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   if (m.stabilisation().has_tau_step()) s.tau_step = m.stabilisation().tau_step();
   s.body_force = expression(m.body_force());
   load_phases(m, s, report);
-  s.newton = {m.newton().residual_tolerance(), m.newton().max_iterations(), m.newton().failure_tolerance(),
-              m.newton().iterations_per_coupling(), m.newton().jacobian_lag()};
+  s.newton = {m.newton().residual_tolerance(),  m.newton().max_iterations(),
+              m.newton().failure_tolerance(),   m.newton().iterations_per_coupling(),
+              m.newton().jacobian_lag(),        m.newton().linearisation() == v1::FluidNewton::PICARD,
+              m.newton().shortest_correction(), m.newton().max_halvings()};
   s.linear_method = m.linear().method() == v1::FluidLinear::DIRECT   ? LinearMethod::direct
                     : m.linear().method() == v1::FluidLinear::KRYLOV ? LinearMethod::krylov
                                                                      : LinearMethod::automatic;
   s.linear = {m.linear().tolerance(), m.linear().max_iterations(), m.linear().restart()};
   load_boundaries(m, s, report);
   s.slip_feature_angle = m.slip_feature_angle();
-  s.interface_load = m.interface_load() == v1::TRACTION ? InterfaceLoad::traction : InterfaceLoad::pressure;
+  s.interface_load = m.interface_load() == v1::TRACTION              ? InterfaceLoad::traction
+                     : m.interface_load() == v1::CONSISTENT_TRACTION ? InterfaceLoad::consistent_traction
+                                                                     : InterfaceLoad::pressure;
   load_forces(m, s, report);
   s.output = {m.output().directory(), m.output().field_interval(), m.output().series_interval()};
   for (const v1::Probe& p : m.probe()) s.probes.push_back({p.name(), {p.x(), p.y(), p.z()}});
+  if (m.has_averages()) s.average_from = m.averages().start();
   s.alone_only = alone_only(m);
   return s;
 }

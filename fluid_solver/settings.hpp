@@ -14,7 +14,7 @@
 namespace drogue::fluid {
 
 enum class Formulation { semi_discrete, dsd_sst };
-enum class InterfaceLoad { pressure, traction };
+enum class InterfaceLoad { pressure, traction, consistent_traction };
 /// automatic: direct on one rank up to a size.
 enum class LinearMethod { automatic, direct, krylov };
 enum class Condition { velocity, no_slip, free_slip, traction_free, traction };
@@ -40,6 +40,7 @@ struct PhaseSettings {
   std::optional<config::VectorExpression> mesh_displacement;
   int time_order = 1;  ///< of semi_discrete
   int time_points = 2; ///< quadrature points of dsd_sst
+  double steady_tolerance = 0;
 };
 
 struct NewtonSettings {
@@ -48,6 +49,9 @@ struct NewtonSettings {
   double failure_tolerance = 0;
   int iterations_per_coupling = 0;
   int jacobian_lag = 0;
+  bool picard = false;
+  double shortest_correction = 1;
+  int max_halvings = 0;
 };
 
 struct ForceSettings {
@@ -78,6 +82,7 @@ struct Settings {
   std::optional<std::filesystem::path> final_state;
   config::VectorExpression initial_velocity;
   config::Expression initial_pressure;
+  bool project_initial_flow = false;
   double density = 0;
   double dynamic_viscosity = 0;
   double smagorinsky = 0;
@@ -95,6 +100,7 @@ struct Settings {
   std::vector<ForceSettings> forces;
   OutputSettings output;
   std::vector<ProbeSettings> probes;
+  std::optional<double> average_from; ///< time
   /// Paths of the fields given in the config that a coupled run does not use.
   std::vector<std::string> alone_only;
 

@@ -91,10 +91,11 @@ inline void slab_tangent(const InstantTangent<dim, Real> t[points], Real jump, d
 /// all node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
 template <bool tangent, int points = 2, MeshVelocity mesh_velocity = MeshVelocity::subtracted, int dim,
           class Real, class Rule, class Sink>
-inline void space_time_element(const SpaceTimeValues<dim, Real>& in, double dt, const Rule& rule,
-                               Real residual[dim + 1][8], Sink&& sink) noexcept {
+inline void space_time_element(const SpaceTimeValues<dim, Real>& in, const FlowParameters& parameters,
+                               const Rule& rule, Real residual[dim + 1][8], Sink&& sink) noexcept {
   constexpr int nodes = dim + 1;
   constexpr SlabRule<points> slab;
+  const double dt = parameters.dt;
   const Real jump_V = node_pair<dim> * simplex_geometry(in.x_n).volume;
   for (int a = 0; a < nodes; ++a)
     for (int i = 0; i < 8; ++i) residual[a][i] = Real{};
@@ -111,7 +112,7 @@ inline void space_time_element(const SpaceTimeValues<dim, Real>& in, double dt, 
     Real x[nodes][dim];
     InstantValues<dim, Real> v;
     values_in_slab<mesh_velocity>(in, theta, dt, x, v);
-    evaluate_instant<dim>(x, v, slab.weight[point] * dt, rule, point, s[point]);
+    evaluate_instant<dim>(x, v, slab.weight[point] * dt, rule, point, parameters.newton, s[point]);
     const double T[2] = {1.0 - theta, theta};
     const double D[2] = {-1.0 / dt, 1.0 / dt};
     for (int a = 0; a < nodes; ++a)

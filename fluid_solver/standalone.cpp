@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "fluid_solver/standalone.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include <unistd.h>
@@ -35,14 +37,14 @@ Motion prescribed(const config::VectorExpression& d, std::span<const double> ref
   return m;
 }
 
-Result<void> move_mesh(const PhaseSettings& phase, const FluidMesh& mesh, FlowSolver& solver) {
+Result<void> move_mesh(const PhaseSettings& phase, double dt, const FluidMesh& mesh, FlowSolver& solver) {
   if (!phase.mesh_displacement) {
     const std::vector<double> rest(mesh.points.size(), 0.0);
     return solver.set_end(solver.state().x, rest, rest);
   }
   const double t = solver.state().time;
-  const Motion begin = prescribed(*phase.mesh_displacement, mesh.points, t, phase.step);
-  const Motion end = prescribed(*phase.mesh_displacement, mesh.points, t + phase.step, phase.step);
+  const Motion begin = prescribed(*phase.mesh_displacement, mesh.points, t, dt);
+  const Motion end = prescribed(*phase.mesh_displacement, mesh.points, t + dt, dt);
   return solver.set_end(end.points, begin.velocity, end.velocity);
 }
 
@@ -85,13 +87,36 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Result<StepFigures> one_step(const PhaseSettings& phase, const Case& input, FlowRun& run) {
+Result<StepFigures> attempt(const PhaseSettings& phase, double dt, const Case& input, FlowRun& run) {
   FlowSolver& solver = run.solver();
   const NewtonSettings& newton = input.settings.newton;
-  DROGUE_TRY(solver.begin_step({phase.formulation, phase.time_order, phase.time_points}, phase.step));
-  DROGUE_TRY(move_mesh(phase, input.mesh, solver));
+  DROGUE_TRY(solver.begin_step({phase.formulation, phase.time_order, phase.time_points}, dt));
+  DROGUE_TRY(move_mesh(phase, dt, input.mesh, solver));
   if (const auto done = solver.newton(newton.max_iterations); !done) return done.error();
   return run.finish_step(true, newton.failure_tolerance);
+}
+
+/// A step; one that fails numerically is taken in two halves, and these again.
+Result<StepFigures> one_step(const PhaseSettings& phase, double dt, int halvings, const Case& input,
+                             FlowRun& run) {
+  auto done = attempt(phase, dt, input, run);
+  if (done || done.error().kind != ErrorKind::numerical || halvings == 0) return done;
+  if (la::rank() == 0)
+    spdlog::warn("the step to t = {:.6g} failed and is taken in halves: {}", run.solver().state().time + dt,
+                 done.error().message);
+  const auto half = one_step(phase, 0.5 * dt, halvings - 1, input, run);
+  return half ? one_step(phase, 0.5 * dt, halvings - 1, input, run) : half;
+}
+
+/// Largest change of a velocity in a step over the largest speed and the step [1/time].
+double rate_of_change(const std::vector<double>& before, const std::vector<double>& after, double dt) {
+  double change = 0;
+  double speed = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    change = std::max(change, std::fabs(after[i] - before[i]));
+    speed = std::max(speed, std::fabs(after[i]));
+  }
+  return speed > 0 ? change / (speed * dt) : 0;
 }
 
 /// All phases; stops between two steps when a signal has come.
@@ -103,7 +128,8 @@ Result<void> all_steps(const Case& input, FlowRun& run) {
   for (const PhaseSettings& phase : input.settings.phases)
     for (int k = 0; k < phase.steps; ++k) {
       const FlowState& state = run.solver().state();
-      const auto figures = one_step(phase, input, run);
+      const std::vector<double> before = state.u;
+      const auto figures = one_step(phase, phase.step, input.settings.newton.max_halvings, input, run);
       if (!figures) {
         Error error = figures.error();
         error.message = fmt::format("step {} to t = {:.6g} failed: {}", state.step + 1,
@@ -115,6 +141,12 @@ Result<void> all_steps(const Case& input, FlowRun& run) {
       if (!la::on_every_rank(!interrupted()) && done < steps)
         return Error{ErrorKind::interrupted,
                      fmt::format("interrupted after step {} at t = {:.6g}", state.step, state.time)};
+      if (phase.steady_tolerance > 0 &&
+          rate_of_change(before, state.u, phase.step) <= phase.steady_tolerance) {
+        if (la::rank() == 0) spdlog::info("steady after step {} at t = {:.6g}", state.step, state.time);
+        done += phase.steps - k - 1;
+        break;
+      }
     }
   return {};
 }

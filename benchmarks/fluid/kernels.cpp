@@ -62,12 +62,12 @@ double operations_of_element() {
     SpaceTimeValues<3, Counted> in;
     for (int a = 0; a < 4; ++a)
       for (int d = 0; d < 3; ++d) in.x_n[a][d] = in.x_np1[a][d] = corner[a][d];
-    space_time_element<true>(in, parameters.dt, rule, r, ignore);
+    space_time_element<true>(in, parameters, rule, r, ignore);
   } else {
     SemiDiscreteValues<3, Counted> in;
     for (int a = 0; a < 4; ++a)
       for (int d = 0; d < 3; ++d) in.x[a][d] = corner[a][d];
-    semi_discrete_element<true>(in, 1 / parameters.dt, rule, r, ignore);
+    semi_discrete_element<true>(in, 1 / parameters.dt, parameters, rule, r, ignore);
   }
   return static_cast<double>(Counted::operations);
 }

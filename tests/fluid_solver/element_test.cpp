@@ -106,7 +106,7 @@ template <int dim>
 double semi_discrete_tangent_error() {
   return largest_tangent_error<SemiDiscreteValues<dim, double>, dim, 4>(
       instant_values<dim>(), [](const auto& v, const auto& rule, auto r, auto&& sink) {
-        semi_discrete_element<true>(v, 1.4 / parameters.dt, rule, r, sink);
+        semi_discrete_element<true>(v, 1.4 / parameters.dt, parameters, rule, r, sink);
       });
 }
 
@@ -114,7 +114,7 @@ template <int dim, int time_points>
 double space_time_tangent_error() {
   return largest_tangent_error<SpaceTimeValues<dim, double>, dim, 8>(
       slab<dim>(), [](const auto& v, const auto& rule, auto r, auto&& sink) {
-        space_time_element<true, time_points>(v, parameters.dt, rule, r, sink);
+        space_time_element<true, time_points>(v, parameters, rule, r, sink);
       });
 }
 
@@ -149,7 +149,7 @@ TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
   fill(batch.w, in.w);
   Batch r8[4][8];
   const auto ignore = [](int, int, const auto*) {};
-  space_time_element<false>(batch, parameters.dt, StandardCoefficients{parameters}, r8, ignore);
+  space_time_element<false>(batch, parameters, StandardCoefficients{parameters}, r8, ignore);
   for (int l = 0; l < batch_size; ++l) {
     SpaceTimeValues<3, double> one = in;
     const auto scale = [&](auto& array) {
@@ -158,7 +158,7 @@ TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
     };
     scale(one.x_n), scale(one.x_np1), scale(one.u_n), scale(one.f_n), scale(one.f_np1), scale(one.w);
     double r[4][8];
-    space_time_element<false>(one, parameters.dt, StandardCoefficients{parameters}, r, ignore);
+    space_time_element<false>(one, parameters, StandardCoefficients{parameters}, r, ignore);
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 8; ++i) EXPECT_NEAR(r8[a][i][l], r[a][i], 1e-12);
   }

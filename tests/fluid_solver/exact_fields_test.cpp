@@ -117,9 +117,9 @@ TEST(MovingMesh, ShearIsWrongWhenTheMeshVelocityIsLeftOut) {
         for (std::size_t i = 0; i < 8; ++i)
           sum[8 * static_cast<std::size_t>(mesh->cells[e + static_cast<std::size_t>(a)]) + i] += r[a][i];
     };
-    space_time_element<false>(in, dt, rule, r, ignore);
+    space_time_element<false>(in, rule.parameters, rule, r, ignore);
     add(with);
-    space_time_element<false, 2, MeshVelocity::left_out>(in, dt, rule, r, ignore);
+    space_time_element<false, 2, MeshVelocity::left_out>(in, rule.parameters, rule, r, ignore);
     add(without);
   }
   // the one node inside the box

@@ -185,7 +185,7 @@ class CoupledChannel {
     for (std::size_t i = 0; i < n; i += 3) iterate.numbers[1 + i] = amount * (1 - input_.mesh.file.points[i]);
     for (std::size_t i = 0; i < k; i += 3) iterate.numbers[1 + n + i] = amount / 0.02;
     order(iterate);
-    return flow_->load();
+    return flow_->load().value();
   }
 
  private:

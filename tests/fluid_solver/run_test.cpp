@@ -195,12 +195,41 @@ TEST_F(FluidProgram, AStepThatFailsKeepsTheLastGoodState) {
   EXPECT_EQ(std::count(series.begin(), series.end(), '\n'), 3) << series; // header and two steps
 }
 
+/// Two iterations are too few for a step of 0.4, but not for its eighths.
+TEST_F(FluidProgram, AStepThatFailsIsTakenInParts) {
+  std::string text = replaced(base_config, "step: 0.05 steps: 2", "step: 0.4 steps: 1");
+  text = replaced(text, "max_iterations: 12", "max_iterations: 2 failure_tolerance: 7e-4");
+  ASSERT_EQ(run("", "run", replaced(replaced(text, "OUT", "out"), "FINAL", "last.state")), 0) << log();
+  EXPECT_NE(log().find("is taken in halves"), std::string::npos) << log();
+  const auto last = io::read_state(folder_ / "last.state");
+  ASSERT_TRUE(last.ok());
+  EXPECT_GE(last->step, 4U); // two of the first phase at least, two of the second
+  EXPECT_NEAR(last->time, 0.44, 1e-12);
+}
+
+/// A channel that comes to rest in its own time: the phase ends there, averages run from t = 0.2.
+TEST_F(FluidProgram, ASteadyFlowEndsItsPhaseAndAveragesAreWritten) {
+  std::string text =
+      replaced(base_config, "step: 0.05 steps: 2", "step: 0.5 steps: 400 steady_tolerance: 1e-3");
+  text += "averages { start: 0.2 }\n";
+  ASSERT_EQ(run("", "run", replaced(replaced(text, "OUT", "out"), "FINAL", "last.state")), 0) << log();
+  EXPECT_NE(log().find("steady after step "), std::string::npos) << log();
+  const auto last = io::read_state(folder_ / "last.state");
+  ASSERT_TRUE(last.ok());
+  EXPECT_LT(last->step, 400U);
+  EXPECT_NE(last->find("average_velocity_mean"), nullptr);
+  const std::string averages = read(folder_ / "out/averages.csv");
+  EXPECT_EQ(averages.rfind("force,time,mean_x", 0), 0U) << averages;
+  EXPECT_EQ(std::count(averages.begin(), averages.end(), '\n'), 2) << averages; // header and the one report
+}
+
 TEST_F(FluidProgram, ASignalEndsTheRunAfterTheStep) {
   std::string text = replaced(base_config, "step: 0.05 steps: 2", "step: 0.001 steps: 1000000");
   text = replaced(replaced(text, "OUT", "out"), "FINAL", "last.state");
   for (const char* signal : {"TERM", "INT"}) {
     fs::remove(folder_ / "last.state");
-    ASSERT_EQ(run(std::string("timeout --preserve-status -s ") + signal + " 2", "run", text), 5) << log();
+    ASSERT_EQ(run(std::string("timeout --foreground --preserve-status -s ") + signal + " 2", "run", text), 5)
+        << log();
     EXPECT_NE(log().find("interrupted after step "), std::string::npos) << log();
     const auto last = io::read_state(folder_ / "last.state");
     ASSERT_TRUE(last.ok());
@@ -215,9 +244,9 @@ TEST_F(FluidProgram, ASignalEndsAParticipantThatWaits) {
   text.erase(first, text.find('\n', first) - first);
   text = replaced(text, " mesh_displacement { x: \"0.05*(1-x)*sin(t)*z*(2-z)\" }", "");
   text = replaced(text, "force {", "interface: \"x0\"\nforce {");
-  ASSERT_EQ(
-      run("DROGUE_PARTICIPANT=fluid timeout --preserve-status -s TERM 2", "run --connect ipc://nobody", text),
-      5)
+  ASSERT_EQ(run("DROGUE_PARTICIPANT=fluid timeout --foreground --preserve-status -s TERM 2",
+                "run --connect ipc://nobody", text),
+            5)
       << log();
   for (const char* part : {"fluid: interrupted by a signal", "output.directory is not used in a coupled run",
                            "phase[0].steps is not used"})

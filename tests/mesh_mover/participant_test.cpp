@@ -252,7 +252,7 @@ TEST_F(MeshMoverRun, ASignalEndsTheRunAfterTheStep) {
                "steps: 1000000 output { directory: \"results\" field_interval: 1000000 }");
   std::ofstream(folder_ / "mesh.textproto") << text;
   const std::string command = "cd '" + folder_.string() +
-                              "' && timeout --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
+                              "' && timeout --foreground --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
                               "/mesh_mover' run mesh.textproto > log 2>&1";
   const int status = std::system(command.c_str());
   std::stringstream log;

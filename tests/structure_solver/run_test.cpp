@@ -503,7 +503,7 @@ TEST_F(Files, ASignalEndsTheProgramAfterTheStepWithItsState) {
   write("long.textproto", std::string(properties) +
                               "time { step: 0.001 steps: 1000000 } final_state: \"last.state\" output { "
                               "field_interval: 0 }");
-  const int status = std::system("timeout --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
+  const int status = std::system("timeout --foreground --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
                                  "/structure_solver' run long.textproto > log 2>&1");
   EXPECT_EQ(WEXITSTATUS(status), 5) << read("log");
   EXPECT_NE(read("log").find("interrupted after step "), std::string::npos) << read("log");
