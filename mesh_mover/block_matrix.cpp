@@ -43,27 +43,4 @@ SymmetricBlocks<double> lower_pattern(const Cells& cells, std::size_t node_count
   return matrix;
 }
 
-std::int32_t place_of(const SymmetricBlocks<double>& matrix, std::int32_t row, std::int32_t column) noexcept {
-  const auto begin = matrix.column.begin() + matrix.row_start[static_cast<std::size_t>(row)];
-  const auto end = matrix.column.begin() + matrix.row_start[static_cast<std::size_t>(row) + 1];
-  return static_cast<std::int32_t>(std::lower_bound(begin, end, column) - matrix.column.begin());
-}
-
-void multiply(const SymmetricBlocks<double>& A, std::span<const double> x, std::span<double> y) noexcept {
-  using Vector = Eigen::Vector3d;
-  for (std::size_t i = 0; i < A.rows(); ++i) {
-    const Vector x_i = Eigen::Map<const Vector>(&x[3 * i]);
-    const std::size_t diagonal = A.diagonal(i);
-    Vector y_i = A.block(diagonal) * x_i;
-    for (std::size_t k = A.begin(i); k < diagonal; ++k) {
-      const auto j = 3 * static_cast<std::size_t>(A.column[k]);
-      const auto K = A.block(k);
-      y_i.noalias() += K * Eigen::Map<const Vector>(&x[j]);
-      Eigen::Map<Vector>(&y[j]).noalias() += K.transpose() * x_i;
-    }
-    Eigen::Map<Vector> target(&y[3 * i]);
-    target = y_i; // later rows add to it
-  }
-}
-
 } // namespace drogue::mesh_mover

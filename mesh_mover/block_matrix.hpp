@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,11 +12,11 @@
 
 namespace drogue::mesh_mover {
 
-/// A symmetric matrix of 3 x 3 blocks, one block row a node: the lower triangle in compressed rows, columns
-/// ascending, so that a row ends with its diagonal block. Blocks are column-major.
-template <class Real>
+/// A symmetric matrix of N x N blocks, 3 x 3 with one block row a node: the lower triangle in compressed
+/// rows, columns ascending, so that a row ends with its diagonal block. Blocks are column-major.
+template <class Real, int N = 3>
 struct SymmetricBlocks {
-  using Block = Eigen::Matrix<Real, 3, 3>;
+  using Block = Eigen::Matrix<Real, N, N>;
 
   std::vector<std::int32_t> row_start;
   std::vector<std::int32_t> column;
@@ -30,10 +31,10 @@ struct SymmetricBlocks {
     return static_cast<std::size_t>(row_start[row + 1]) - 1;
   }
   [[nodiscard]] Eigen::Map<const Block> block(std::size_t place) const noexcept {
-    return Eigen::Map<const Block>(values.data() + 9 * place);
+    return Eigen::Map<const Block>(values.data() + static_cast<std::size_t>(N * N) * place);
   }
   [[nodiscard]] Eigen::Map<Block> block(std::size_t place) noexcept {
-    return Eigen::Map<Block>(values.data() + 9 * place);
+    return Eigen::Map<Block>(values.data() + static_cast<std::size_t>(N * N) * place);
   }
 };
 
@@ -41,10 +42,12 @@ struct SymmetricBlocks {
 [[nodiscard]] SymmetricBlocks<double> lower_pattern(const Cells& cells, std::size_t node_count);
 
 /// Place of the block (row, column), row >= column. @pre the pattern holds it
-[[nodiscard]] std::int32_t place_of(const SymmetricBlocks<double>& matrix, std::int32_t row,
-                                    std::int32_t column) noexcept;
-
-/// y = A x; `x` and `y` {3 rows}, different memory.
-void multiply(const SymmetricBlocks<double>& A, std::span<const double> x, std::span<double> y) noexcept;
+template <int N>
+[[nodiscard]] std::int32_t place_of(const SymmetricBlocks<double, N>& matrix, std::int32_t row,
+                                    std::int32_t column) noexcept {
+  const auto begin = matrix.column.begin() + matrix.row_start[static_cast<std::size_t>(row)];
+  const auto end = matrix.column.begin() + matrix.row_start[static_cast<std::size_t>(row) + 1];
+  return static_cast<std::int32_t>(std::lower_bound(begin, end, column) - matrix.column.begin());
+}
 
 } // namespace drogue::mesh_mover

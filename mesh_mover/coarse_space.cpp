@@ -2,7 +2,10 @@
 #include "mesh_mover/coarse_space.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+
+#include <Eigen/Geometry>
 
 #include "mesh_mover/graph.hpp"
 
@@ -11,15 +14,21 @@ namespace {
 
 constexpr std::int32_t none = -1;
 constexpr std::uint8_t all_given = 7;
+/// Columns of Z an aggregate: translations along, and rotations about the axes.
+constexpr std::size_t modes = 6;
+/// Relative addition to the diagonal for rotations, which an aggregate in a line or of one node does not
+/// have.
+constexpr double rotation_shift = 1e-6;
 /// Nodes of an aggregate, about.
-constexpr std::size_t aggregate_size = 50;
+constexpr std::size_t aggregate_size = 150;
 
 } // namespace
 
-CoarseSpace::CoarseSpace(const SymmetricBlocks<double>& A, const Mask& given) : given_(given) {
+CoarseSpace::CoarseSpace(const SymmetricBlocks<double>& A, const Mask& given) : A_(A), given_(given) {
   gather(A);
   find_pattern(A);
-  rhs_.resize(3 * static_cast<std::size_t>(count_));
+  rhs_.resize(modes * static_cast<std::size_t>(count_));
+  arms_.resize(3 * A.rows());
 }
 
 /// Breadth-first from the first node that is left, until the aggregate is full. Seeds are taken beside the
@@ -78,7 +87,7 @@ void CoarseSpace::find_pattern(const SymmetricBlocks<double>& A) {
     coarse_.column.insert(coarse_.column.end(), row.begin(), row.end());
     coarse_.row_start.push_back(static_cast<std::int32_t>(coarse_.column.size()));
   }
-  coarse_.values.resize(9 * coarse_.column.size());
+  coarse_.values.resize(modes * modes * coarse_.column.size());
   places_.assign(A.column.size(), none);
   for (std::size_t i = 0; i < A.rows(); ++i)
     for (std::size_t k = A.begin(i); k <= A.diagonal(i); ++k)
@@ -86,38 +95,85 @@ void CoarseSpace::find_pattern(const SymmetricBlocks<double>& A) {
         places_[k] = place_of(coarse_, row, column);
 }
 
-Result<void> CoarseSpace::factor(const SymmetricBlocks<double>& A) {
+void CoarseSpace::find_arms(std::span<const double> positions) {
+  const auto n = static_cast<std::size_t>(count_);
+  std::vector<double> centre(3 * n, 0.0), radius(n, 0.0), size(n, 0.0);
+  const auto visit = [&](auto&& each) {
+    for (std::size_t i = 0; i < aggregate_.size(); ++i)
+      if (aggregate_[i] != none) each(i, static_cast<std::size_t>(aggregate_[i]));
+  };
+  visit([&](std::size_t i, std::size_t g) {
+    size[g] += 1;
+    for (std::size_t c = 0; c < 3; ++c) centre[3 * g + c] += positions[3 * i + c];
+  });
+  visit([&](std::size_t i, std::size_t g) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      arms_[3 * i + c] = positions[3 * i + c] - centre[3 * g + c] / size[g];
+      radius[g] = std::max(radius[g], std::abs(arms_[3 * i + c]));
+    }
+  });
+  visit([&](std::size_t i, std::size_t g) {
+    for (std::size_t c = 0; c < 3; ++c) arms_[3 * i + c] = size[g] > 1 ? arms_[3 * i + c] / radius[g] : 0;
+  });
+}
+
+/// Columns: the node's displacement by a rotation about x, y and z.
+Eigen::Matrix3d CoarseSpace::rotations(std::size_t row) const noexcept {
+  const double* d = &arms_[3 * row];
+  Eigen::Matrix3d R;
+  R << 0, d[2], -d[1], -d[2], 0, d[0], d[1], -d[0], 0;
+  return R;
+}
+
+/// E = sum of Z_i^T A_ij Z_j with Z_i = [I, R_i].
+void CoarseSpace::sum_blocks() {
+  using Block = SymmetricBlocks<double, 6>::Block;
   std::fill(coarse_.values.begin(), coarse_.values.end(), 0.0);
-  for (std::size_t i = 0; i < A.rows(); ++i) {
-    for (std::size_t k = A.begin(i); k <= A.diagonal(i); ++k) {
+  for (std::size_t i = 0; i < A_.rows(); ++i) {
+    if (aggregate_[i] == none) continue;
+    const Eigen::Matrix3d R_i = rotations(i).transpose();
+    for (std::size_t k = A_.begin(i); k <= A_.diagonal(i); ++k) {
       if (places_[k] == none) continue;
-      const auto j = static_cast<std::size_t>(A.column[k]);
-      auto E = coarse_.block(static_cast<std::size_t>(places_[k]));
-      Eigen::Matrix3d K = A.block(k);
+      const auto j = static_cast<std::size_t>(A_.column[k]);
+      Eigen::Matrix3d K = A_.block(k);
       if (i == j) // the identity of the given components is no stiffness
         for (int c = 0; c < 3; ++c)
           if (given_[i] >> c & 1) K(c, c) = 0;
+      const Eigen::Matrix3d KR = K * rotations(j);
+      Block Z;
+      Z << K, KR, R_i * K, R_i * KR;
+      auto E = coarse_.block(static_cast<std::size_t>(places_[k]));
       // Both (i, j) and (j, i) of A add to the lower triangle of E.
       if (aggregate_[i] > aggregate_[j])
-        E += K;
+        E += Z;
       else if (aggregate_[i] < aggregate_[j])
-        E += K.transpose();
+        E += Z.transpose();
+      else if (i == j)
+        E += Z;
       else
-        E += i == j ? K : Eigen::Matrix3d(K + K.transpose());
+        E += Z + Z.transpose();
     }
   }
+}
+
+Result<void> CoarseSpace::factor(std::span<const double> positions) {
+  find_arms(positions);
+  sum_blocks();
+  const auto n = static_cast<int>(modes);
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t row = 0; row < coarse_.rows(); ++row) {
     auto D = coarse_.block(coarse_.diagonal(row));
-    for (int c = 0; c < 3; ++c)
-      if (D(c, c) == 0) D(c, c) = 1; // a component that is given in the whole aggregate
+    for (int c = 0; c < n; ++c) {
+      if (c >= 3) D(c, c) *= 1 + rotation_shift;
+      if (D(c, c) == 0) D(c, c) = 1; // a motion that the aggregate does not have
+    }
     for (std::size_t k = coarse_.begin(row); k <= coarse_.diagonal(row); ++k)
-      for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) // the solver reads the upper triangle
-          entries.emplace_back(3 * coarse_.column[k] + b, 3 * static_cast<int>(row) + a,
+      for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b) // the solver reads the upper triangle
+          entries.emplace_back(n * coarse_.column[k] + b, n * static_cast<int>(row) + a,
                                coarse_.block(k)(a, b));
   }
-  la::SparseMatrix E(3 * count_, 3 * count_);
+  la::SparseMatrix E(n * count_, n * count_);
   E.setFromTriplets(entries.begin(), entries.end());
   auto factored = solver_.factor(E);
   if (!factored) return factored.error();
@@ -126,17 +182,25 @@ Result<void> CoarseSpace::factor(const SymmetricBlocks<double>& A) {
 }
 
 Result<void> CoarseSpace::add(std::span<const double> r, std::span<double> z) {
+  using Vector = Eigen::Vector3d;
   std::fill(rhs_.begin(), rhs_.end(), 0.0);
-  const auto visit = [&](auto&& each) {
-    for (std::size_t i = 0; i < aggregate_.size(); ++i) {
-      if (aggregate_[i] == none) continue;
-      for (std::size_t c = 0; c < 3; ++c)
-        if (!(given_[i] >> c & 1)) each(3 * i + c, 3 * static_cast<std::size_t>(aggregate_[i]) + c);
-    }
-  };
-  visit([&](std::size_t fine, std::size_t coarse) { rhs_[coarse] += r[fine]; });
+  for (std::size_t i = 0; i < aggregate_.size(); ++i) {
+    if (aggregate_[i] == none) continue;
+    Vector force;
+    for (int c = 0; c < 3; ++c) force[c] = given_[i] >> c & 1 ? 0 : r[3 * i + static_cast<std::size_t>(c)];
+    double* rhs = &rhs_[modes * static_cast<std::size_t>(aggregate_[i])];
+    Eigen::Map<Vector>{rhs} += force;
+    Eigen::Map<Vector>{rhs + 3} += Eigen::Map<const Vector>(&arms_[3 * i]).cross(force);
+  }
   DROGUE_TRY(solver_.solve(rhs_, rhs_));
-  visit([&](std::size_t fine, std::size_t coarse) { z[fine] += rhs_[coarse]; });
+  for (std::size_t i = 0; i < aggregate_.size(); ++i) {
+    if (aggregate_[i] == none) continue;
+    const double* motion = &rhs_[modes * static_cast<std::size_t>(aggregate_[i])];
+    const Vector u = Eigen::Map<const Vector>(motion) +
+                     Eigen::Map<const Vector>(motion + 3).cross(Eigen::Map<const Vector>(&arms_[3 * i]));
+    for (std::size_t c = 0; c < 3; ++c)
+      if (!(given_[i] >> c & 1)) z[3 * i + c] += u[static_cast<int>(c)];
+  }
   return {};
 }
 

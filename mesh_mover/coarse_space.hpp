@@ -13,15 +13,16 @@ namespace drogue::mesh_mover {
 using Mask = std::vector<std::uint8_t>;
 
 /// The coarse level of the two-level preconditioner: the nodes are gathered into aggregates of neighbours,
-/// each of which moves as a rigid translation of its free components. With Z these motions (three columns an
-/// aggregate), E = Z^T A Z is factored directly.
+/// each of which moves like a rigid body, in the free components. With Z these translations and infinitesimal
+/// rotations (six columns an aggregate), E = Z^T A Z is factored directly.
 class CoarseSpace {
  public:
-  /// Gathers the nodes; depends on the pattern and the mask alone.
+  /// Gathers the nodes; depends on the pattern and the mask alone. `A` and `given` must outlive this object.
   CoarseSpace(const SymmetricBlocks<double>& A, const Mask& given);
 
-  /// Factors E for the values of A. Errors (ErrorKind::internal): E is not positive definite.
-  [[nodiscard]] Result<void> factor(const SymmetricBlocks<double>& A);
+  /// Factors E for the values of A. `positions` {3 rows} of the nodes.
+  /// Errors (ErrorKind::internal): E is not positive definite.
+  [[nodiscard]] Result<void> factor(std::span<const double> positions);
   /// z += Z E^-1 Z^T r; `r` and `z` {nodes, 3}.
   [[nodiscard]] Result<void> add(std::span<const double> r, std::span<double> z);
 
@@ -30,11 +31,16 @@ class CoarseSpace {
  private:
   void gather(const SymmetricBlocks<double>& A);
   void find_pattern(const SymmetricBlocks<double>& A);
+  void find_arms(std::span<const double> positions);
+  void sum_blocks();
+  [[nodiscard]] Eigen::Matrix3d rotations(std::size_t row) const noexcept;
 
+  const SymmetricBlocks<double>& A_;
   const Mask& given_;
   std::int32_t count_ = 0;
   std::vector<std::int32_t> aggregate_; // of each node; -1 when all its components are given
-  SymmetricBlocks<double> coarse_;      // E
+  std::vector<double> arms_;            // of each node from its aggregate's centre, by the aggregate's radius
+  SymmetricBlocks<double, 6> coarse_;   // E
   std::vector<std::int32_t> places_;    // block of E to which each block of A adds; -1: none
   std::vector<double> rhs_;
   la::CholeskySolver solver_;

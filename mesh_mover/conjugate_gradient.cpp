@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_mover/conjugate_gradient.hpp"
 
+#include <cmath>
+#include <numeric>
+
 namespace drogue::mesh_mover {
 namespace {
 
@@ -13,15 +16,30 @@ std::span<double> values(Eigen::VectorXd& v) {
 
 } // namespace
 
-ConjugateGradient::ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given)
-    : A_(A), coarse_(A, given) {
+ConjugateGradient::ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given, int threads)
+    : parts_(A, threads), A_(A, parts_), incomplete_(A, parts_), coarse_(A, given) {
   const auto n = static_cast<Eigen::Index>(3 * A.rows());
   for (Vector* v : {&r_, &z_, &p_, &w_}) v->resize(n);
+  sums_.resize(static_cast<std::size_t>(parts_.count()));
 }
 
-Result<void> ConjugateGradient::update() {
-  incomplete_.factor(A_);
-  return coarse_.factor(A_);
+template <class Function>
+void ConjugateGradient::for_each_part(Function&& function) {
+  parts_.run([&](int part) {
+    const auto begin = static_cast<Eigen::Index>(3 * parts_.begin(part));
+    const auto end = static_cast<Eigen::Index>(3 * parts_.end(part));
+    function(static_cast<std::size_t>(part), Eigen::seqN(begin, end - begin));
+  });
+}
+
+double ConjugateGradient::dot(const Vector& a, const Vector& b) {
+  for_each_part([&](std::size_t part, auto range) { sums_[part] = a(range).dot(b(range)); });
+  return std::accumulate(sums_.begin(), sums_.end(), 0.0);
+}
+
+Result<void> ConjugateGradient::update(std::span<const double> positions) {
+  incomplete_.factor();
+  return coarse_.factor(positions);
 }
 
 Result<void> ConjugateGradient::precondition(const Vector& r, Vector& z) {
@@ -35,29 +53,35 @@ Result<SolveOutcome> ConjugateGradient::solve(std::span<const double> b, std::sp
   const Eigen::Map<const Vector> rhs(b.data(), n);
   Eigen::Map<Vector> solution(x.data(), n);
   // 1. coarse correction of the start value
-  multiply(A_, x, values(w_));
+  A_.multiply(x, values(w_));
   r_ = rhs - w_;
   DROGUE_TRY(coarse_.add(values(r_), x));
-  multiply(A_, x, values(w_));
+  A_.multiply(x, values(w_));
   r_ = rhs - w_;
   // 2. preconditioned conjugate gradients
-  SolveOutcome outcome{false, 0, r_.norm()};
+  SolveOutcome outcome{false, 0, std::sqrt(dot(r_, r_))};
   double rz = 0;
   while (!(outcome.converged = outcome.residual <= tolerance) && outcome.iterations < max_iterations) {
     DROGUE_TRY(precondition(r_, z_));
-    const double rz_new = r_.dot(z_);
-    if (outcome.iterations == 0)
-      p_ = z_;
-    else
-      p_ = z_ + (rz_new / rz) * p_;
+    const double rz_new = dot(r_, z_);
+    const double beta = outcome.iterations == 0 ? 0 : rz_new / rz;
     rz = rz_new;
-    multiply(A_, values(p_), values(w_));
-    const double curvature = p_.dot(w_);
+    for_each_part([&](std::size_t, auto range) {
+      if (beta == 0)
+        p_(range) = z_(range); // what p_ held before may not be finite
+      else
+        p_(range) = z_(range) + beta * p_(range);
+    });
+    A_.multiply(values(p_), values(w_));
+    const double curvature = dot(p_, w_);
     if (!(curvature > 0)) break; // rounding, or values that are not finite
     const double alpha = rz / curvature;
-    solution += alpha * p_;
-    r_ -= alpha * w_;
-    outcome.residual = r_.norm();
+    for_each_part([&](std::size_t part, auto range) {
+      solution(range) += alpha * p_(range);
+      r_(range) -= alpha * w_(range);
+      sums_[part] = r_(range).squaredNorm();
+    });
+    outcome.residual = std::sqrt(std::accumulate(sums_.begin(), sums_.end(), 0.0));
     ++outcome.iterations;
   }
   return outcome;

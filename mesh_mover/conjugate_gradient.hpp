@@ -20,10 +20,13 @@ struct SolveOutcome {
 class ConjugateGradient {
  public:
   /// `A` and `given` must outlive this object; A's values may change between calls of update().
-  ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given);
+  /// @param threads 0: those to use by default, fewer for small matrices
+  ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given, int threads = 0);
+  ConjugateGradient(const ConjugateGradient&) = delete;
+  ConjugateGradient& operator=(const ConjugateGradient&) = delete;
 
-  /// The matrix has new values: factors the preconditioner.
-  [[nodiscard]] Result<void> update();
+  /// The matrix has new values, for nodes at `positions` {3 rows}: factors the preconditioner.
+  [[nodiscard]] Result<void> update(std::span<const double> positions);
   /// Solves A x = b from the start value in x, corrected on the coarse space first, until the residual's
   /// Euclidean norm is at most `tolerance`. `b` and `x` {3 rows}.
   [[nodiscard]] Result<SolveOutcome> solve(std::span<const double> b, std::span<double> x, double tolerance,
@@ -33,10 +36,17 @@ class ConjugateGradient {
   using Vector = Eigen::VectorXd;
   [[nodiscard]] Result<void> precondition(const Vector& r, Vector& z);
 
-  const SymmetricBlocks<double>& A_;
+  [[nodiscard]] double dot(const Vector& a, const Vector& b);
+  /// function(range) for the entries of each part, at the same time.
+  template <class Function>
+  void for_each_part(Function&& function);
+
+  RowParts parts_;
+  PartedProduct A_;
   IncompleteCholesky incomplete_;
   CoarseSpace coarse_;
   Vector r_, z_, p_, w_;
+  std::vector<double> sums_; // of the parts
 };
 
 } // namespace drogue::mesh_mover

@@ -57,7 +57,8 @@ ElasticExtension::ElasticExtension(const Settings& settings, const Cells& cells,
 
 Result<void> ElasticExtension::prepare(std::span<const double> points) {
   stiffness_.assemble(solid_, points);
-  return solver_.update();
+  stiffness_.to_rows(points, u_rows_);
+  return solver_.update(u_rows_);
 }
 
 double ElasticExtension::free_norm(std::span<const double> f) const {

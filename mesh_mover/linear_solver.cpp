@@ -24,21 +24,21 @@ bool is_direct_kind(LinearSolverKind kind, std::size_t nodes, int dimension) {
 } // namespace
 
 LinearSolver::LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension,
-                           LinearSolverKind kind)
-    : solver_(is_direct_kind(kind, A.rows(), dimension)
-                  ? std::variant<ConjugateGradient, DirectSolver>(std::in_place_type<DirectSolver>, A, given)
-                  : std::variant<ConjugateGradient, DirectSolver>(std::in_place_type<ConjugateGradient>, A,
-                                                                  given)) {}
+                           LinearSolverKind kind) {
+  if (is_direct_kind(kind, A.rows(), dimension))
+    direct_ = std::make_unique<DirectSolver>(A, given);
+  else
+    iterative_ = std::make_unique<ConjugateGradient>(A, given);
+}
 
-Result<void> LinearSolver::update() {
-  return std::visit([](auto& solver) { return solver.update(); }, solver_);
+Result<void> LinearSolver::update(std::span<const double> positions) {
+  return direct_ ? direct_->update() : iterative_->update(positions);
 }
 
 Result<SolveOutcome> LinearSolver::solve(std::span<const double> b, std::span<double> x, double tolerance,
                                          int max_iterations) {
-  if (auto* iterative = std::get_if<ConjugateGradient>(&solver_))
-    return iterative->solve(b, x, tolerance, max_iterations);
-  DROGUE_TRY(std::get<DirectSolver>(solver_).solve(b, x));
+  if (iterative_) return iterative_->solve(b, x, tolerance, max_iterations);
+  DROGUE_TRY(direct_->solve(b, x));
   return SolveOutcome{true, 1, 0};
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <variant>
+#include <memory>
 
 #include "mesh_mover/conjugate_gradient.hpp"
 #include "mesh_mover/direct_solver.hpp"
@@ -16,16 +16,17 @@ class LinearSolver {
   /// @param kind LinearSolverKind::automatic: direct in two dimensions, and for small meshes in three
   LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension, LinearSolverKind kind);
 
-  [[nodiscard]] bool is_direct() const { return std::holds_alternative<DirectSolver>(solver_); }
-  /// The matrix has new values.
-  [[nodiscard]] Result<void> update();
+  [[nodiscard]] bool is_direct() const { return direct_ != nullptr; }
+  /// The matrix has new values, for nodes at `positions` {3 rows}.
+  [[nodiscard]] Result<void> update(std::span<const double> positions);
   /// Solves A x = b; an iteration starts from x and ends when the residual's Euclidean norm is at most
   /// `tolerance`. `b` and `x` {3 rows}.
   [[nodiscard]] Result<SolveOutcome> solve(std::span<const double> b, std::span<double> x, double tolerance,
                                            int max_iterations);
 
  private:
-  std::variant<ConjugateGradient, DirectSolver> solver_;
+  std::unique_ptr<DirectSolver> direct_; // one of the two
+  std::unique_ptr<ConjugateGradient> iterative_;
 };
 
 } // namespace drogue::mesh_mover

@@ -2,6 +2,7 @@
 #include "mesh_mover/stiffness.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "mesh_mover/numbering.hpp"
@@ -49,8 +50,16 @@ Stiffness::Stiffness(const Cells& cells, Mask given, std::vector<double> factors
 void Stiffness::find_places() {
   const std::size_t n = cells_.nodes_per_cell();
   places_.reserve(cells_.count() * n * (n + 1) / 2);
+  std::vector<std::int32_t> first_row;
   for (std::size_t e = 0; e < cells_.count(); ++e)
-    for (std::size_t a = 0; a < n; ++a)
+    first_row.push_back(*std::min_element(&cell_rows_[n * e], &cell_rows_[n * e] + n));
+  order_.resize(cells_.count());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::stable_sort(order_.begin(), order_.end(), [&](std::int32_t d, std::int32_t e) {
+    return first_row[static_cast<std::size_t>(d)] < first_row[static_cast<std::size_t>(e)];
+  });
+  for (const std::int32_t cell : order_)
+    for (std::size_t e = static_cast<std::size_t>(cell), a = 0; a < n; ++a)
       for (std::size_t b = 0; b <= a; ++b) {
         const auto [low, high] = std::minmax(cell_rows_[n * e + a], cell_rows_[n * e + b]);
         places_.push_back(place_of(matrix_, high, low));
@@ -68,7 +77,7 @@ void Stiffness::assemble(const PseudoSolid& solid, std::span<const double> point
 
 template <int D>
 void Stiffness::assemble_cells(const PseudoSolid& solid, std::span<const double> points) {
-  for (std::size_t e = 0; e < cells_.count(); ++e) add_element<D>(solid, points, e);
+  for (std::size_t k = 0; k < cells_.count(); ++k) add_element<D>(solid, points, k);
   for (BoundaryElement& element : boundary_elements_) {
     const auto geometry = simplex_geometry<D>(points, cells_.cell(element.index));
     element.gradients.template topLeftCorner<D, D + 1>() = geometry.gradients;
@@ -77,12 +86,13 @@ void Stiffness::assemble_cells(const PseudoSolid& solid, std::span<const double>
 }
 
 template <int D>
-void Stiffness::add_element(const PseudoSolid& solid, std::span<const double> points, std::size_t e) {
+void Stiffness::add_element(const PseudoSolid& solid, std::span<const double> points, std::size_t k) {
   constexpr std::size_t n = D + 1;
+  const auto e = static_cast<std::size_t>(order_[k]);
   const auto geometry = simplex_geometry<D>(points, cells_.cell(e));
   const double factor = weight<D>(solid, geometry.jacobian, e);
   const std::int32_t* rows = &cell_rows_[n * e];
-  const std::int32_t* place = &places_[n * (n + 1) / 2 * e];
+  const std::int32_t* place = &places_[n * (n + 1) / 2 * k];
   for (int a = 0; a <= D; ++a)
     for (int b = 0; b <= a; ++b, ++place) {
       const auto [row, column] = rows[a] >= rows[b] ? std::pair(a, b) : std::pair(b, a);

@@ -50,7 +50,7 @@ class Stiffness {
   template <int D>
   void assemble_cells(const PseudoSolid& solid, std::span<const double> points);
   template <int D>
-  void add_element(const PseudoSolid& solid, std::span<const double> points, std::size_t e);
+  void add_element(const PseudoSolid& solid, std::span<const double> points, std::size_t k);
   template <int D>
   [[nodiscard]] double weight(const PseudoSolid& solid, double jacobian, std::size_t e) const noexcept {
     return stiffness_weight<D>(solid, jacobian) * (factors_.empty() ? 1 : factors_[e]);
@@ -59,11 +59,13 @@ class Stiffness {
   const Cells& cells_;
   std::vector<double> factors_;
   Mask given_;
-  std::vector<std::int32_t> row_of_;    // of each node
-  std::vector<std::int32_t> cell_rows_; // {m, dimension + 1}: rows of the nodes of every element
+  std::vector<std::int32_t> row_of_; // of each node
+  std::vector<std::int32_t> order_;  // {m}: elements by their first rows, so that memory is visited in order
+  std::vector<std::int32_t>
+      cell_rows_; // {m, dimension + 1}, in mesh order: rows of the nodes of every element
   Mask given_rows_;
   SymmetricBlocks<double> matrix_;
-  std::vector<std::int32_t> places_;               // where the blocks of nodes a >= b of every element stand
+  std::vector<std::int32_t> places_; // where the blocks of nodes a >= b of every element stand, in order_
   std::vector<BoundaryElement> boundary_elements_; // those with a given component
   PseudoSolid solid_;                              // of the last assembly
 };

@@ -7,11 +7,11 @@
 
 #include <Eigen/Core>
 
+#include "common/base/worker_pool.hpp"
 #include "structure_solver/block_matrix.hpp"
 #include "structure_solver/load_values.hpp"
 #include "structure_solver/model.hpp"
 #include "structure_solver/work_split.hpp"
-#include "structure_solver/worker_pool.hpp"
 
 namespace drogue::structure {
 

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace drogue::structure {
+namespace drogue {
 
 /// Threads to use when the config leaves it open: what OMP_NUM_THREADS says (the coupler sets it to 1 for its
 /// solvers), else one for each processor that this process may use.
@@ -40,4 +40,4 @@ class WorkerPool {
   std::vector<std::jthread> threads_; // last: joined before the rest goes
 };
 
-} // namespace drogue::structure
+} // namespace drogue

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "structure_solver/worker_pool.hpp"
+#include "common/base/worker_pool.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 
 #include <sched.h>
 
-namespace drogue::structure {
+namespace drogue {
 
 int default_threads() {
   if (const char* wanted = std::getenv("OMP_NUM_THREADS")) return std::clamp(std::atoi(wanted), 1, 256);
@@ -56,4 +56,4 @@ void WorkerPool::work(int worker) {
   }
 }
 
-} // namespace drogue::structure
+} // namespace drogue

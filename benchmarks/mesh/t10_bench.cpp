@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The mesh motion around the inflated T-10, on meshes from some 20,000 to 500,000 nodes; the one with the
+// canopy of the paper's compatible mesh has the paper's size. Measured on each: set-up, the preparation of a
+// step (assembly and preconditioner), one solve to 1e-6 of a step's increment from a start value of zero, its
+// iterations, memory, and the exponent of growth of the solve. On the paper's size also a whole motion: the
+// canopy inflates by 10 % of its diameter, shrinks by as much below its first shape, and moves half a
+// diameter to the side. Prints rows as Google Benchmark's csv does: name,iterations,value,value,unit.
+//   mesh_t10_bench [--paper-only] [ignored options...]
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <functional>
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "common/la_direct/direct_solver.hpp"
+#include "mesh_mover/mover.hpp"
+#include "parachute_mesher/fluid_mesh.hpp"
+#include "parachute_mesher/structure_mesh.hpp"
+#include "tests/parachute_mesher/inflated_shape.hpp"
+
+namespace drogue::mesh_mover {
+namespace {
+
+using parachute::Canopy;
+using parachute::Subdivision;
+
+constexpr double diameter = 35; // ft
+constexpr Canopy t10{.diameter = diameter, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
+
+struct Size {
+  std::string name;
+  Subdivision rows;
+  double canopy_size, wake_size, growth;
+};
+// clang-format off
+const std::vector<Size> sizes = {
+    {"t10_20k", {.main_rows = 16, .skirt_rows = 4, .across_vent = 1, .across_seam = 4, .across_skirt = 3,
+                 .across_exponent = 0.584}, 0.9, 1.8, 0.15},
+    {"t10_50k", {.main_rows = 26, .skirt_rows = 6, .across_vent = 1, .across_seam = 5, .across_skirt = 4,
+                 .across_exponent = 0.584}, 0.6, 1.2, 0.15},
+    {"t10", {.main_rows = 42, .skirt_rows = 9, .across_vent = 1, .across_seam = 8, .across_skirt = 6,
+             .across_exponent = 0.584}, 0.38, 0.78, 0.15},
+    {"t10_500k", {.main_rows = 70, .skirt_rows = 15, .across_vent = 2, .across_seam = 13, .across_skirt = 10,
+                  .across_exponent = 0.584}, 0.23, 0.46, 0.15},
+};
+// clang-format on
+
+double seconds(const std::function<void()>& f) {
+  const auto start = std::chrono::steady_clock::now();
+  f();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double resident_megabytes() {
+  malloc_trim(0);
+  std::ifstream statm("/proc/self/statm");
+  double size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+void row(const std::string& name, double value, const char* unit) {
+  fmt::print("\"{}\",1,{:.6g},{:.6g},{}\n", name, value, value, unit);
+  std::fflush(stdout);
+}
+
+bool require(bool ok, const std::string& what) {
+  if (!ok) fmt::print(stderr, "mesh_t10_bench: {}\n", what);
+  return ok;
+}
+
+Result<mesh::Mesh> mesh_of(const Size& size) {
+  const parachute::Rigging rigging{
+      .line_length = 29.4, .line_elements = 2, .vent_elements = 1, .confluence_distance = 2.3};
+  const Subdivision cloth{
+      .main_rows = 11, .skirt_rows = 2, .across_vent = 2, .across_seam = 2, .across_skirt = 2};
+  const auto structure = parachute::structure_mesh(
+      t10, rigging, {.file = {}, .quadratic = true, .rows = cloth_rows(t10, cloth)});
+  const auto rows = cloth_rows(t10, size.rows);
+  const auto surface =
+      parachute::inflated_canopy(t10, rows, structure, parachute::inflated_displacement(t10, structure));
+  if (!surface) return surface.error();
+  const parachute::FluidSettings settings{.file = {},
+                                          .structure_mesh = {},
+                                          .structure_state = {},
+                                          .rows = rows,
+                                          .half_width = 3 * diameter,
+                                          .upstream = 3 * diameter,
+                                          .downstream = 5 * diameter,
+                                          .canopy_size = size.canopy_size,
+                                          .largest_size = 32,
+                                          .growth = size.growth,
+                                          .wake_size = size.wake_size,
+                                          .wake_length = 1.6 * diameter};
+  auto made = parachute::fluid_mesh(t10, settings, *surface);
+  if (!made) return made.error();
+  return std::move(made->mesh);
+}
+
+Boundary side(const char* name) {
+  Boundary boundary;
+  boundary.name = name;
+  return boundary;
+}
+
+Boundary canopy(const char* name) {
+  Boundary boundary;
+  boundary.name = name;
+  boundary.condition = Condition::displacement;
+  boundary.is_interface = true;
+  return boundary;
+}
+
+Settings settings_with(double tolerance) {
+  Settings settings;
+  settings.boundaries = {canopy("canopy_upper"), canopy("canopy_lower"), side("inflow"), side("outflow"),
+                         side("side")};
+  settings.tolerance = tolerance;
+  return settings;
+}
+
+/// The canopy scaled by 1 + `growth` across its axis and moved by `shift` in x.
+std::vector<double> canopy_displacement(const MeshMover& mover, double growth, double shift) {
+  std::vector<double> d;
+  for (const std::int32_t node : mover.motion().interface_nodes()) {
+    const double* X = &mover.mesh().points[3 * static_cast<std::size_t>(node)];
+    d.insert(d.end(), {growth * X[0] + shift, growth * X[1], 0});
+  }
+  return d;
+}
+
+struct Cost {
+  double nodes = 0, solve = 0, memory = 0;
+};
+
+Result<SolveReport> step(MeshMover& mover, double growth, double shift, double& preparation,
+                         double& solution) {
+  Result<void> begun = {};
+  preparation = seconds([&] { begun = mover.begin_step(1); });
+  if (!begun) return begun.error();
+  const auto d = canopy_displacement(mover, growth, shift);
+  BoundaryInput input;
+  input.interface_displacement = d;
+  Result<SolveReport> report = SolveReport{};
+  solution = seconds([&] { report = mover.solve(input); });
+  return report;
+}
+
+Cost one_solve(const mesh::Mesh& mesh, const std::string& name) {
+  const double before = resident_megabytes();
+  Result<std::unique_ptr<MeshMover>> made = internal_error("not made");
+  const double setup = seconds([&] { made = MeshMover::create(mesh, settings_with(1e-6)); });
+  if (!require(made.ok(), "no mover")) return {};
+  MeshMover& mover = **made;
+  double preparation = 0, solution = 0;
+  const auto report = step(mover, 0.01, 0.01 * diameter, preparation, solution);
+  if (!require(report.ok(), report ? "" : report.error().message)) return {};
+  const Cost cost{static_cast<double>(mesh.node_count()), solution, resident_megabytes() - before};
+  row(name + "/nodes", cost.nodes, "count");
+  row(name + "/tetrahedra", static_cast<double>(mover.cells().count()), "count");
+  row(name + "/setup", setup, "s");
+  row(name + "/preparation_of_a_step", preparation, "s");
+  row(name + "/solve_to_1e-6", solution, "s");
+  row(name + "/iterations", report->iterations, "count");
+  row(name + "/memory", cost.memory, "MB");
+  return cost;
+}
+
+/// Diameter + 10 %, - 10 %, back, and half a diameter to the side, in steps of 2 % of the diameter.
+void large_motion(const mesh::Mesh& mesh, const std::string& name) {
+  auto made = MeshMover::create(mesh, settings_with(1e-4));
+  if (!require(made.ok(), "no mover")) return;
+  MeshMover& mover = **made;
+  std::vector<std::array<double, 2>> path; // growth of the diameter, shift in diameters
+  for (int k = 1; k <= 5; ++k) path.push_back({0.02 * k, 0});
+  for (int k = 1; k <= 10; ++k) path.push_back({0.1 - 0.02 * k, 0});
+  for (int k = 1; k <= 5; ++k) path.push_back({-0.1 + 0.02 * k, 0});
+  for (int k = 1; k <= 25; ++k) path.push_back({0, 0.02 * k});
+  double preparations = 0, solutions = 0, smallest = 1, angle = 90;
+  int iterations = 0;
+  for (const auto& [growth, shift] : path) {
+    double preparation = 0, solution = 0;
+    const auto report = step(mover, growth, shift * diameter, preparation, solution);
+    if (!require(report.ok(), report ? "" : report.error().message)) return;
+    mover.commit();
+    preparations += preparation;
+    solutions += solution;
+    iterations += report->iterations;
+    smallest = std::min(smallest, report->quality.min_volume_ratio);
+    angle = std::min(angle, report->quality.smallest_angle);
+  }
+  const auto n = static_cast<double>(path.size());
+  row(name + "/large_motion/steps", n, "count");
+  row(name + "/large_motion/preparation_of_a_step", preparations / n, "s");
+  row(name + "/large_motion/solve_to_1e-4", solutions / n, "s");
+  row(name + "/large_motion/iterations", iterations / n, "count");
+  row(name + "/large_motion/smallest_volume_ratio", 100 * smallest, "percent");
+  row(name + "/large_motion/smallest_angle_in_degrees", angle, "count");
+}
+
+} // namespace
+} // namespace drogue::mesh_mover
+
+int main(int argc, char** argv) {
+  using namespace drogue::mesh_mover;
+  spdlog::set_level(spdlog::level::warn);
+  drogue::la::use_one_blas_thread();
+  bool paper_only = false;
+  for (int i = 1; i < argc; ++i) paper_only = paper_only || std::strcmp(argv[i], "--paper-only") == 0;
+  Cost first, last;
+  for (const Size& size : sizes) {
+    if (paper_only && size.name != "t10") continue;
+    const auto mesh = mesh_of(size);
+    if (!require(mesh.ok(), mesh ? "" : mesh.error().message)) return 1;
+    last = one_solve(*mesh, size.name);
+    if (first.nodes == 0) first = last;
+    if (size.name == "t10") large_motion(*mesh, size.name);
+  }
+  if (last.nodes > first.nodes)
+    row("t10/solve_growth", std::log(last.solve / first.solve) / std::log(last.nodes / first.nodes),
+        "exponent");
+  return 0;
+}
