@@ -83,9 +83,20 @@ Parent on_edge(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p, 
   return {a[0] + t * d[0], a[1] + t * d[1]};
 }
 
+ClosestPoint on_line(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) {
+  const Parent s = on_edge(kind, X, p, line_nodes[0], line_nodes[1], 0.5 * (1 + start(kind, X, p)[0]));
+  const auto shape = element_shape(kind, s[0], 0);
+  const Eigen::Vector3d r = p - combine(shape.N, shape.nodes, X), g = combine(shape.dN_dxi, shape.nodes, X);
+  const bool perpendicular = std::abs(r.dot(g)) <= inside_tolerance * g.squaredNorm();
+  return {s[0], 0, r.squaredNorm(), std::abs(s[0]) < 1 || perpendicular};
+}
+
+} // namespace
+
 /// Closed form: foot on the plane, else the nearest of the three edges.
-ClosestPoint on_triangle(const NodeMatrix& X, const Eigen::Vector3d& p) {
-  const Eigen::Vector3d a = X.col(0), g = X.col(1) - a, h = X.col(2) - a, r = p - a;
+ClosestPoint closest_point_of_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                                       const Eigen::Vector3d& p) noexcept {
+  const Eigen::Vector3d g = b - a, h = c - a, r = p - a;
   const double gg = g.dot(g), gh = g.dot(h), hh = h.dot(h), rg = r.dot(g), rh = r.dot(h);
   const double det = gg * hh - gh * gh;
   const auto at = [&](double xi, double eta, bool inside) {
@@ -97,23 +108,13 @@ ClosestPoint on_triangle(const NodeMatrix& X, const Eigen::Vector3d& p) {
   }
   const double t = std::clamp((rh - rg + gg - gh) / (gg - 2 * gh + hh), 0.0, 1.0);
   ClosestPoint best = at(std::clamp(rg / gg, 0.0, 1.0), 0, false);
-  for (const ClosestPoint& c : {at(1 - t, t, false), at(0, std::clamp(rh / hh, 0.0, 1.0), false)})
-    if (c.distance2 < best.distance2) best = c;
+  for (const ClosestPoint& other : {at(1 - t, t, false), at(0, std::clamp(rh / hh, 0.0, 1.0), false)})
+    if (other.distance2 < best.distance2) best = other;
   return best;
 }
 
-ClosestPoint on_line(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) {
-  const Parent s = on_edge(kind, X, p, line_nodes[0], line_nodes[1], 0.5 * (1 + start(kind, X, p)[0]));
-  const auto shape = element_shape(kind, s[0], 0);
-  const Eigen::Vector3d r = p - combine(shape.N, shape.nodes, X), g = combine(shape.dN_dxi, shape.nodes, X);
-  const bool perpendicular = std::abs(r.dot(g)) <= inside_tolerance * g.squaredNorm();
-  return {s[0], 0, r.squaredNorm(), std::abs(s[0]) < 1 || perpendicular};
-}
-
-} // namespace
-
 ClosestPoint closest_point(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3d& p) noexcept {
-  if (kind == ElementKind::tri3) return on_triangle(X, p);
+  if (kind == ElementKind::tri3) return closest_point_of_triangle(X.col(0), X.col(1), X.col(2), p);
   if (mesh::dimension(kind) == 1) return on_line(kind, X, p);
   Parent s{};
   if (find_foot(kind, X, p, s) && is_inside(kind, s)) return {s[0], s[1], distance2(kind, X, p, s), true};

@@ -17,4 +17,8 @@ struct ClosestPoint {
 [[nodiscard]] ClosestPoint closest_point(mesh::ElementKind kind, const NodeMatrix& X,
                                          const Eigen::Vector3d& p) noexcept;
 
+/// The same on a linear triangle with its corners at a, b and c.
+[[nodiscard]] ClosestPoint closest_point_of_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                                     const Eigen::Vector3d& c, const Eigen::Vector3d& p) noexcept;
+
 } // namespace drogue::projection

@@ -77,6 +77,12 @@ NodeMatrix gather(std::span<const std::int32_t> nodes, std::span<const double> c
   return X;
 }
 
+const Eigen::Matrix3d& flat_mass(ElementKind kind) noexcept {
+  static const Eigen::Matrix3d triangle = (Eigen::Matrix3d() << 2, 1, 1, 1, 2, 1, 1, 1, 2).finished() / 24;
+  static const Eigen::Matrix3d line = (Eigen::Matrix3d() << 2, 1, 0, 1, 2, 0, 0, 0, 0).finished() / 3;
+  return kind == ElementKind::line2 ? line : triangle;
+}
+
 double rough_area(ElementKind kind, const NodeMatrix& X) noexcept {
   const auto centre = parent_centre(kind);
   return parent_area(kind) * area_vector(element_shape(kind, centre[0], centre[1]), X).norm();

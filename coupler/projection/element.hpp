@@ -49,6 +49,13 @@ using NodeMatrix = Eigen::Matrix<double, 3, fem::max_surface_nodes>;
   return combine(s.dN_dxi, s.nodes, X).cross(across);
 }
 
+/// Linear triangles and lines: area and normal are constant, whatever their shape.
+[[nodiscard]] inline bool is_flat(mesh::ElementKind kind) noexcept {
+  return kind == mesh::ElementKind::tri3 || kind == mesh::ElementKind::line2;
+}
+/// int N_b N_c over the parent domain of a flat element; on lines the last row and column are zero.
+[[nodiscard]] const Eigen::Matrix3d& flat_mass(mesh::ElementKind kind) noexcept;
+
 /// Area of the parent domain times the Jacobian at the centre.
 [[nodiscard]] double rough_area(mesh::ElementKind kind, const NodeMatrix& X) noexcept;
 /// Longest distance of two corners along an edge.

@@ -5,6 +5,8 @@
 #include <cassert>
 #include <set>
 
+#include "coupler/projection/element_matrix.hpp"
+
 namespace drogue::projection {
 namespace {
 
@@ -49,6 +51,21 @@ std::vector<std::int32_t> matching_nodes(const Surface& structure, const Surface
   return of_structure == of_fluid ? copy : std::vector<std::int32_t>{};
 }
 
+/// int N_b N_c dA over the reference area by the points of a curved element.
+void add_curved_mass(const InterfaceQuadrature& quadrature, const InterfaceQuadrature::Element& element,
+                     const Surface& fluid, std::vector<double>& masses) {
+  const auto& rule = quadrature.rule(element);
+  const NodeMatrix X = gather(element.nodes, fluid.reference);
+  const std::size_t n = element.nodes.size(), start = masses.size();
+  masses.resize(start + n * n, 0.0);
+  for (std::size_t q = 0; q < rule.weights.size(); ++q) {
+    const ElementShape& shape = rule.shapes[q];
+    const double da = rule.weights[q] * area_vector(shape, X).norm();
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) masses[start + a * n + b] += da * shape.N[a] * shape.N[b];
+  }
+}
+
 } // namespace
 
 Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadrature,
@@ -59,36 +76,40 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
   if (made.matching()) return made;
 
   made.merged_ = merge_coincident(fluid.material, same_place * extent(structure.material));
-  std::vector<Eigen::Triplet<double>> mass, cross;
-  for (const auto& element : quadrature.elements()) {
-    const auto& rule = quadrature.rule(element);
-    const NodeMatrix X = gather(element.nodes, fluid.reference);
-    Eigen::Matrix<double, fem::max_surface_nodes, fem::max_surface_nodes> M;
-    M.setZero();
-    const auto row = [&](std::size_t a) {
-      return made.merged_.group[static_cast<std::size_t>(element.nodes[a])];
-    };
-    for (std::size_t q = 0; q < rule.weights.size(); ++q) {
-      const ElementShape& shape = rule.shapes[q];
-      const double da = rule.weights[q] * area_vector(shape, X).norm();
-      const auto point = element.first_point + static_cast<std::int64_t>(q);
-      const auto nodes = quadrature.structure_nodes(point);
-      const auto N = quadrature.structure_N(point);
-      for (std::size_t a = 0; a < element.nodes.size(); ++a) {
-        for (std::size_t b = 0; b < element.nodes.size(); ++b)
-          M(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) += da * shape.N[a] * shape.N[b];
-        for (std::size_t b = 0; b < nodes.size(); ++b)
-          cross.emplace_back(row(a), nodes[b], da * shape.N[a] * N[b]);
-      }
-    }
-    for (std::size_t a = 0; a < element.nodes.size(); ++a)
-      for (std::size_t b = 0; b < element.nodes.size(); ++b)
-        mass.emplace_back(row(a), row(b), M(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)));
+  // 1. The unknowns of each element, and its mass matrix by the same points as its products with the structure.
+  const auto& elements = quadrature.elements();
+  std::vector<std::int32_t> unknowns;
+  std::vector<std::size_t> first{0}, first_mass;
+  std::vector<double> curved_mass, scale;
+  for (const auto& element : elements) {
+    for (const std::int32_t i : element.nodes) unknowns.push_back(made.merged_.group[static_cast<std::size_t>(i)]);
+    first.push_back(unknowns.size());
+    first_mass.push_back(curved_mass.size());
+    const bool flat = element.rule < 0;
+    if (!flat) add_curved_mass(quadrature, element, fluid, curved_mass);
+    scale.push_back(
+        flat ? area_vector(element_shape(element.kind, 0, 0), gather(element.nodes, fluid.reference)).norm() : 1);
   }
-  made.B_.resize(made.merged_.count, static_cast<Eigen::Index>(structure.node_count()));
-  made.B_.setFromTriplets(cross.begin(), cross.end());
-  la::SparseMatrix M_f(made.merged_.count, made.merged_.count);
-  M_f.setFromTriplets(mass.begin(), mass.end());
+  const auto rows = [&](std::int32_t e) {
+    const auto i = static_cast<std::size_t>(e);
+    return std::span<const std::int32_t>(unknowns.data() + first[i], first[i + 1] - first[i]);
+  };
+  const auto mass = [&](std::int32_t e) {
+    const auto i = static_cast<std::size_t>(e);
+    const bool flat = elements[i].rule < 0;
+    return ElementPart{rows(e), rows(e), flat ? flat_mass(elements[i].kind).data() : curved_mass.data() + first_mass[i],
+                       flat ? 3 : elements[i].nodes.size(), 1, scale[i]};
+  };
+  const auto cross = [&](std::int32_t e) {
+    const auto& element = elements[static_cast<std::size_t>(e)];
+    return ElementPart{rows(e), quadrature.block_nodes(element), quadrature.block(element), 1, element.nodes.size(),
+                       scale[static_cast<std::size_t>(e)]};
+  };
+  // 2. The sums.
+  const std::int32_t count = made.merged_.count;
+  const Adjacency around = elements_around(count, static_cast<std::int32_t>(elements.size()), rows);
+  made.B_ = sum_elements(count, static_cast<std::int32_t>(structure.node_count()), around, cross);
+  const la::SparseMatrix M_f = upper_triangle(sum_elements(count, count, around, mass, true));
   auto factored = made.M_.factor(M_f);
   if (!factored) return factored.error();
   if (!*factored)

@@ -14,7 +14,7 @@ namespace drogue::projection {
 /// Least-squares projection of displacement and velocity, structure -> fluid [stein2001, eq. 4]:
 ///   find d_f:  int_F N_a ( sum_b N_b d_f,b - d_s(pi(X)) ) dA = 0  for all a,    M_f d_f = B d_s,
 /// over the fluid's reference area, pi the closest point in material coordinates. M_f and B use the same
-/// points, so the rows of B add up to those of M_f and constants come through to rounding.
+/// integrals of N_a, so the rows of B add up to those of M_f and constants come through to rounding.
 ///
 /// Fluid nodes with the same material coordinates (the two sides of a canopy) share one unknown: the sides
 /// cannot part. When the two surfaces have the same elements on the same material nodes, values are copied.
@@ -38,7 +38,7 @@ class FieldProjection {
   std::vector<std::int32_t> copy_from_; ///< {fluid nodes}: structure node; empty unless matching
   Merged merged_;
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> B_;
-  la::CholeskySolver M_;
+  la::CholeskySolver M_{la::CholeskySolver::Use::many_solutions};
   std::vector<double> work_; ///< {components, unknowns}
 };
 

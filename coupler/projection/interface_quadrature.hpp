@@ -19,11 +19,13 @@ struct Settings {
   double largest_unmatched_area = 0;
   /// Largest angle between the two surfaces in any point, in material coordinates [degrees]; 90: any.
   double largest_normal_angle = 90;
+  /// Whether tractions are to be recovered from the forces: LoadTransfer then factors a mass matrix of the structure.
+  bool recover_traction = true;
 };
 
 /// What the pairing of two surfaces found.
 struct MatchReport {
-  std::int64_t points = 0;
+  std::int64_t points = 0; ///< of the quadrature; a part of the common refinement counts as three
   std::int64_t unmatched_points = 0;
   double unmatched_area = 0; ///< share of the fluid surface's reference area
   double largest_gap = 0;    ///< relative to the size of the structure, in material coordinates
@@ -36,10 +38,13 @@ struct MatchReport {
   bool matching = false; ///< the same elements on the same nodes: fields are copied
 };
 
-/// Quadrature points of the fluid surface (composite rules: elements that are larger than the structure's are
-/// subdivided; on lines the common refinement of both meshes, so that all integrals are exact where the two
-/// coincide), each with its closest point on the structure surface in material coordinates. Both directions
-/// of the projection use these points, and they are located once.
+/// Integrals over each fluid element of the products of its shape functions N_b with those of the structure, N_a, taken at
+/// the closest point pi in material coordinates. Both directions of the projection are made of them.
+///
+/// Where both surfaces are linear triangles they are exact, on the common refinement of the two
+/// (TriangleTiling; pi is then the projection along the fluid triangle's normal). Everywhere else, and where triangles of
+/// the structure do not cover the fluid's (free edges, folds), they are sums over quadrature points: on lines the rule of the
+/// common refinement, on faces composite rules, refined where an element of the structure would get too few points.
 class InterfaceQuadrature {
  public:
   struct Rule {
@@ -49,54 +54,81 @@ class InterfaceQuadrature {
     std::vector<ElementShape> shapes;
   };
   struct Element {
+    mesh::ElementKind kind = mesh::ElementKind::tri3;
     std::span<const std::int32_t> nodes;
-    std::int32_t rule = 0;
-    std::int64_t first_point = 0;
     double share = 1; ///< one over the number of fluid layers here
+    /// The structure's nodes that take part, and where the products with each of this element's nodes start:
+    /// block(e)[a * nodes.size() + b].
+    std::int64_t first_node = 0, first_value = 0;
+    std::int32_t node_count = 0;
+    /// Curved elements keep their points, for areas change there with the shape; -1 on flat ones.
+    std::int32_t rule = -1;
+    std::int64_t first_point = 0;
+  };
+
+  /// A point of the fluid and its closest one on the structure.
+  struct Sample {
+    std::int32_t fluid_element = -1, structure_element = -1;
+    std::array<double, 2> on_fluid{}, on_structure{}; ///< parent coordinates
+    double weight = 0;                                ///< reference area
   };
 
   /// @pre complete() accepted both surfaces
-  /// @param refine {fluid elements} or empty: factor on the number of subdivisions
   /// Errors (ErrorKind::config): the surfaces lie too far from one another (says how many points, how far and
   /// where), or at too large an angle.
   [[nodiscard]] static Result<InterfaceQuadrature> create(const Surface& structure, const Surface& fluid,
-                                                          const Settings& settings,
-                                                          std::span<const int> refine = {});
+                                                          const Settings& settings);
 
+  /// {fluid elements}
   [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
+  [[nodiscard]] std::span<const std::int32_t> block_nodes(const Element& e) const {
+    return {block_nodes_.data() + e.first_node, static_cast<std::size_t>(e.node_count)};
+  }
+  /// int N_a(pi) N_b: on flat elements dxi deta over the parent domain, on curved ones dA over the reference area.
+  [[nodiscard]] const double* block(const Element& e) const { return block_values_.data() + e.first_value; }
+
+  /// On curved elements: rule, and structure nodes around a point with their shape functions there.
   [[nodiscard]] const Rule& rule(const Element& e) const { return rules_[static_cast<std::size_t>(e.rule)]; }
-  /// Structure nodes around a point, and their shape functions there.
   [[nodiscard]] std::span<const std::int32_t> structure_nodes(std::int64_t point) const {
-    return {nodes_.data() + first(point), first(point + 1) - first(point)};
+    return {point_nodes_.data() + first(point), first(point + 1) - first(point)};
   }
   [[nodiscard]] std::span<const double> structure_N(std::int64_t point) const {
-    return {N_.data() + first(point), first(point + 1) - first(point)};
+    return {point_N_.data() + first(point), first(point + 1) - first(point)};
   }
+
+  [[nodiscard]] const Elements& structure_elements() const { return *structure_elements_; }
+  /// int N_a N_b dA over what of an element of the structure is wet, one layer of fluid: {nodes, nodes}.
+  [[nodiscard]] const double* wet_mass(std::int32_t structure_element) const {
+    return wet_mass_.data() + first_mass_[static_cast<std::size_t>(structure_element)];
+  }
+  /// Whether that part is large enough, and has enough points, to stand for the element.
+  [[nodiscard]] bool wet(std::int32_t structure_element) const {
+    return wet_[static_cast<std::size_t>(structure_element)] != 0;
+  }
+  /// Points to compare the two surfaces' fields in: all of a quadrature of the fluid, on large surfaces that of every
+  /// k-th element.
+  [[nodiscard]] const std::vector<Sample>& samples() const { return samples_; }
+  [[nodiscard]] const Elements& fluid_elements() const { return *fluid_elements_; }
   [[nodiscard]] const MatchReport& report() const { return report_; }
-  [[nodiscard]] MatchReport& report() { return report_; }
-  /// {structure elements}: number of points on each, and reference area of one fluid layer on each.
-  [[nodiscard]] const std::vector<std::int32_t>& points_on() const { return points_on_; }
-  [[nodiscard]] const std::vector<double>& area_on() const { return area_on_; }
 
  private:
+  friend class Pairing;
   [[nodiscard]] std::size_t first(std::int64_t point) const {
-    return static_cast<std::size_t>(offsets_[static_cast<std::size_t>(point)]);
+    return static_cast<std::size_t>(point_offsets_[static_cast<std::size_t>(point)]);
   }
-  [[nodiscard]] std::int32_t add_rule(mesh::ElementKind kind, int subdivisions,
-                                      std::span<const fem::SurfacePoint> points);
-  [[nodiscard]] std::int32_t find_rule(mesh::ElementKind kind, int subdivisions, int order);
-  void choose_rules(const Surface& structure, const Surface& fluid, const Settings& settings,
-                    std::span<const int> refine);
-  void locate(const Surface& structure, const Surface& fluid, const Settings& settings);
 
   std::shared_ptr<const Elements> fluid_elements_, structure_elements_;
   std::vector<Rule> rules_;
   std::vector<Element> elements_;
-  std::vector<std::int64_t> offsets_{0};
-  std::vector<std::int32_t> nodes_;
-  std::vector<double> N_;
-  std::vector<std::int32_t> points_on_;
-  std::vector<double> area_on_;
+  std::vector<std::int32_t> block_nodes_;
+  std::vector<double> block_values_;
+  std::vector<std::int64_t> point_offsets_{0};
+  std::vector<std::int32_t> point_nodes_;
+  std::vector<double> point_N_;
+  std::vector<std::int64_t> first_mass_;
+  std::vector<double> wet_mass_;
+  std::vector<char> wet_;
+  std::vector<Sample> samples_;
   MatchReport report_;
 };
 

@@ -34,12 +34,14 @@ struct FluidSide {
 /// pushes the wall away from the fluid. (The fluid's own stress vector on that outward normal is -p n; the
 /// wall gets its reaction.)
 ///
-/// Cost: points x (27 + 6 structure nodes) flops on linear triangles; no heap. Sums in a fixed order.
+/// On flat fluid elements f_a = sum_b C_ab A t_b with A the element's current area and C_ab = int N_a(pi) N_b, which no
+/// motion changes: 18 flops for each structure node that an element meets. Curved elements are summed point by point. No
+/// heap; sums in a fixed order.
 class LoadTransfer {
  public:
   /// Errors (ErrorKind::internal): CHOLMOD; (ErrorKind::config): recovery matrix singular.
-  [[nodiscard]] static Result<LoadTransfer> create(const InterfaceQuadrature& quadrature,
-                                                   const Surface& structure, const Surface& fluid);
+  [[nodiscard]] static Result<LoadTransfer> create(InterfaceQuadrature quadrature, const Surface& structure,
+                                                   const Surface& fluid, bool recover_traction = true);
 
   /// t = + p n.  @param pressure {fluid nodes}  @param forces {structure nodes, 3}, overwritten
   /// @return sums over the fluid surface
@@ -54,19 +56,25 @@ class LoadTransfer {
   /// recovered to rounding. Where no fluid lies the load is zero and so is t, up to the transition of one
   /// element.
   /// @param forces {structure nodes, 3}  @param traction {structure nodes, 3}
+  /// @pre create() was told to prepare it
   [[nodiscard]] Result<void> recover_traction(std::span<const double> forces, std::span<double> traction);
 
-  /// The points of both directions.
+  /// The products of both directions.
   [[nodiscard]] const InterfaceQuadrature& quadrature() const { return quadrature_; }
 
  private:
-  template <class LoadOn>
-  LoadSums transfer(const FluidSide& fluid, std::span<double> forces, const LoadOn& load_on) const noexcept;
+  template <class FlatLoad, class LoadOn>
+  LoadSums transfer(const FluidSide& fluid, std::span<double> forces, const FlatLoad& flat_load,
+                    const LoadOn& load_on) const noexcept;
+  /// f_a += sum_b C_ab g_b, g_b the columns of G.
+  void add_flat(const InterfaceQuadrature::Element& element, const Eigen::Matrix3d& G,
+                std::span<double> forces) const noexcept;
+  void add_at_point(std::int64_t point, const Eigen::Vector3d& f, std::span<double> forces) const noexcept;
   [[nodiscard]] Result<void> factor_recovery(const Surface& structure, const Surface& fluid);
 
   InterfaceQuadrature quadrature_;
   std::size_t structure_nodes_ = 0;
-  la::CholeskySolver M_;
+  la::CholeskySolver M_{la::CholeskySolver::Use::many_solutions};
   std::vector<double> work_; ///< {3, structure nodes}
 };
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
+#include <utility>
 
 namespace drogue::projection {
 namespace {
@@ -14,13 +14,40 @@ constexpr double flatness = 1e-9;
 
 using Cell = std::array<std::int64_t, 3>;
 
-struct CellHash {
-  std::size_t operator()(const Cell& c) const noexcept {
-    std::uint64_t h = 1469598103934665603ULL;
-    for (const std::int64_t i : c)
-      h = (h ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL, h ^= h >> 29;
-    return static_cast<std::size_t>(h);
+/// The nodes in each cell of a grid, by open addressing.
+class CellTable {
+ public:
+  explicit CellTable(std::size_t nodes) : next_(nodes, -1) {
+    std::size_t slots = 16;
+    while (slots < 2 * nodes) slots *= 2;
+    slots_.resize(slots);
   }
+  [[nodiscard]] std::int32_t first(const Cell& c) const { return slots_[find(c)].node; }
+  [[nodiscard]] std::int32_t next(std::int32_t node) const { return next_[static_cast<std::size_t>(node)]; }
+  /// Behind the nodes that the cell has already.
+  void add(const Cell& c, std::int32_t node) {
+    Slot& slot = slots_[find(c)];
+    if (slot.node < 0)
+      slot = {c, node, node};
+    else
+      next_[static_cast<std::size_t>(std::exchange(slot.last, node))] = node;
+  }
+
+ private:
+  struct Slot {
+    Cell cell{};
+    std::int32_t node = -1, last = -1;
+  };
+  [[nodiscard]] std::size_t find(const Cell& c) const {
+    std::uint64_t h = 1469598103934665603ULL;
+    for (const std::int64_t i : c) h = (h ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL, h ^= h >> 29;
+    std::size_t at = h & (slots_.size() - 1);
+    while (slots_[at].node >= 0 && slots_[at].cell != c) at = (at + 1) & (slots_.size() - 1);
+    return at;
+  }
+
+  std::vector<Slot> slots_;
+  std::vector<std::int32_t> next_;
 };
 
 Result<void> check_coordinates(const Surface& s, const std::vector<double>& values, const char* what) {
@@ -126,30 +153,36 @@ double extent(std::span<const double> coordinates) noexcept {
 }
 
 Merged merge_coincident(std::span<const double> x, double tolerance) {
+  // Cells much wider than the tolerance: hardly a node lies so near to a cell's border that it must look beyond.
+  const double width = 4096 * tolerance;
+  CellTable cells(x.size() / 3);
   Merged merged;
-  std::unordered_map<Cell, std::vector<std::size_t>, CellHash> cells;
-  const double width = 2 * tolerance;
+  merged.group.reserve(x.size() / 3);
   const auto near = [&](std::size_t i, std::size_t j) {
     double square = 0;
     for (std::size_t k = 0; k < 3; ++k)
       square += (x[3 * i + k] - x[3 * j + k]) * (x[3 * i + k] - x[3 * j + k]);
     return square <= tolerance * tolerance;
   };
-  const auto find = [&](std::size_t i, const Cell& cell) -> std::int32_t {
-    for (std::int64_t n = 0; n < 27; ++n) {
-      const auto found = cells.find({cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1});
-      if (found == cells.end()) continue;
-      for (const std::size_t j : found->second)
-        if (near(i, j)) return merged.group[j];
-    }
-    return -1;
-  };
   for (std::size_t i = 0; i < x.size() / 3; ++i) {
-    Cell cell;
-    for (std::size_t k = 0; k < 3; ++k) cell[k] = static_cast<std::int64_t>(std::floor(x[3 * i + k] / width));
-    const std::int32_t group = find(i, cell);
-    merged.group.push_back(group >= 0 ? group : merged.count++);
-    if (group < 0) cells[cell].push_back(i);
+    Cell cell, low, high;
+    for (std::size_t k = 0; k < 3; ++k) {
+      cell[k] = static_cast<std::int64_t>(std::floor(x[3 * i + k] / width));
+      low[k] = static_cast<std::int64_t>(std::floor((x[3 * i + k] - tolerance) / width));
+      high[k] = static_cast<std::int64_t>(std::floor((x[3 * i + k] + tolerance) / width));
+    }
+    std::int32_t group = -1;
+    Cell c = low;
+    for (c[0] = low[0]; c[0] <= high[0] && group < 0; ++c[0])
+      for (c[1] = low[1]; c[1] <= high[1] && group < 0; ++c[1])
+        for (c[2] = low[2]; c[2] <= high[2] && group < 0; ++c[2])
+          for (std::int32_t j = cells.first(c); j >= 0 && group < 0; j = cells.next(j))
+            if (near(i, static_cast<std::size_t>(j))) group = merged.group[static_cast<std::size_t>(j)];
+    if (group < 0) {
+      cells.add(cell, static_cast<std::int32_t>(i));
+      group = merged.count++;
+    }
+    merged.group.push_back(group);
   }
   return merged;
 }

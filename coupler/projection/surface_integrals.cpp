@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/projection/element_matrix.hpp"
+
 namespace drogue::projection {
 namespace {
 
@@ -13,6 +15,13 @@ constexpr int degree = 4;
 
 ElementMass element_mass(mesh::ElementKind kind, const NodeMatrix& X) {
   ElementMass mass;
+  if (is_flat(kind)) {
+    const double scale = area_vector(element_shape(kind, 0, 0), X).norm();
+    mass.M.setZero();
+    mass.M.topLeftCorner<3, 3>() = scale * flat_mass(kind);
+    mass.area = scale * flat_mass(kind).sum();
+    return mass;
+  }
   mass.M.setZero();
   for (const fem::SurfacePoint& q : element_quadrature(kind, degree)) {
     const auto shape = element_shape(kind, q.xi, q.eta);
@@ -28,26 +37,30 @@ ElementMass element_mass(mesh::ElementKind kind, const NodeMatrix& X) {
 SurfaceIntegrals::SurfaceIntegrals(const Surface& surface)
     : integral_(surface.node_count(), 0.0), lumped_(surface.node_count(), 0.0) {
   const Elements elements(surface);
-  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> values;
+  std::vector<std::size_t> first;
   for (std::int32_t e = 0; e < elements.count(); ++e) {
     const auto nodes = elements.nodes(e);
     const ElementMass mass = element_mass(elements.kind(e), gather(nodes, surface.reference));
     area_ += mass.area;
-    const double trace = mass.M.trace();
+    const double trace = mass.M.topLeftCorner(static_cast<Eigen::Index>(nodes.size()), static_cast<Eigen::Index>(nodes.size())).trace();
+    first.push_back(values.size());
     for (std::size_t a = 0; a < nodes.size(); ++a) {
       const auto i = static_cast<std::size_t>(nodes[a]);
       const auto row = static_cast<Eigen::Index>(a);
       lumped_[i] += mass.area * mass.M(row, row) / trace;
       for (std::size_t b = 0; b < nodes.size(); ++b) {
-        const double m = mass.M(row, static_cast<Eigen::Index>(b));
-        integral_[i] += m;
-        entries.emplace_back(nodes[a], nodes[b], m);
+        values.push_back(mass.M(row, static_cast<Eigen::Index>(b)));
+        integral_[i] += values.back();
       }
     }
   }
-  const auto n = static_cast<Eigen::Index>(surface.node_count());
-  M_.resize(n, n);
-  M_.setFromTriplets(entries.begin(), entries.end());
+  const auto n = static_cast<std::int32_t>(surface.node_count());
+  const auto nodes_of = [&](std::int32_t e) { return elements.nodes(e); };
+  M_ = sum_elements(n, n, elements_around(n, elements.count(), nodes_of), [&](std::int32_t e) {
+    const auto nodes = elements.nodes(e);
+    return ElementPart{nodes, nodes, values.data() + first[static_cast<std::size_t>(e)], nodes.size(), 1, 1};
+  });
 }
 
 double SurfaceIntegrals::norm(std::span<const double> v, int components) const noexcept {

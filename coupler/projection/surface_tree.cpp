@@ -16,13 +16,13 @@ constexpr double bulge = 0.125;
 } // namespace
 
 SurfaceTree::SurfaceTree(const Elements& elements, std::span<const double> coordinates)
-    : elements_(&elements) {
+    : elements_(&elements), coordinates_(coordinates) {
   const std::int32_t n = elements.count();
   std::vector<Node> boxes(static_cast<std::size_t>(n));
   for (std::int32_t e = 0; e < n; ++e) {
     const auto nodes = elements.nodes(e);
-    X_.push_back(gather(nodes, coordinates));
-    const auto X = X_.back().leftCols(static_cast<Eigen::Index>(nodes.size()));
+    const NodeMatrix all = gather(nodes, coordinates);
+    const auto X = all.leftCols(static_cast<Eigen::Index>(nodes.size()));
     Node& box = boxes[static_cast<std::size_t>(e)];
     box.low = X.rowwise().minCoeff();
     box.high = X.rowwise().maxCoeff();
@@ -72,11 +72,20 @@ double SurfaceTree::box_distance2(const Node& node, const Eigen::Vector3d& p) no
   return outside.squaredNorm();
 }
 
+ClosestPoint SurfaceTree::on_element(std::int32_t e, const Eigen::Vector3d& p) const noexcept {
+  const auto nodes = elements_->nodes(e);
+  if (elements_->kind(e) != mesh::ElementKind::tri3) return closest_point(elements_->kind(e), gather(nodes, coordinates_), p);
+  const auto corner = [&](std::size_t a) {
+    return Eigen::Map<const Eigen::Vector3d>(coordinates_.data() + 3 * static_cast<std::size_t>(nodes[a]));
+  };
+  return closest_point_of_triangle(corner(0), corner(1), corner(2), p);
+}
+
 Located SurfaceTree::closest(const Eigen::Vector3d& p, std::int32_t hint) const noexcept {
   Located best;
   best.point.distance2 = std::numeric_limits<double>::infinity();
   const auto try_element = [&](std::int32_t e) {
-    const ClosestPoint c = closest_point(elements_->kind(e), X_[static_cast<std::size_t>(e)], p);
+    const ClosestPoint c = on_element(e, p);
     if (c.distance2 < best.point.distance2) best = {e, c};
   };
   if (hint >= 0) try_element(hint);
@@ -121,7 +130,7 @@ int SurfaceTree::layers(const Eigen::Vector3d& p, double distance) const noexcep
     }
     for (std::int32_t i = 0; i < node.count; ++i) {
       const std::int32_t e = order_[static_cast<std::size_t>(node.first + i)];
-      const ClosestPoint c = closest_point(elements_->kind(e), X_[static_cast<std::size_t>(e)], p);
+      const ClosestPoint c = on_element(e, p);
       if (c.inside && c.distance2 <= distance * distance) ++found;
     }
   }

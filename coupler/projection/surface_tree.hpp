@@ -31,8 +31,10 @@ class SurfaceTree {
   std::int32_t build(std::int32_t first, std::int32_t last, std::span<const Node> boxes);
   [[nodiscard]] static double box_distance2(const Node& node, const Eigen::Vector3d& p) noexcept;
 
+  [[nodiscard]] ClosestPoint on_element(std::int32_t e, const Eigen::Vector3d& p) const noexcept;
+
   const Elements* elements_;
-  std::vector<NodeMatrix> X_;
+  std::span<const double> coordinates_;
   std::vector<std::int32_t> order_;
   std::vector<Node> nodes_;
 };

@@ -51,9 +51,10 @@ void say(const projection::MatchReport& r) {
 } // namespace
 
 Result<Exchange> Exchange::create(Participants& participants, const CaseSettings& settings) {
-  auto interface =
-      projection::make_interface(surface_of("structure", participants.structure_interface),
-                                 surface_of("fluid", participants.fluid_interface), settings.projection);
+  projection::Settings pairing = settings.projection;
+  pairing.recover_traction = participants.structure_takes_traction();
+  auto interface = projection::make_interface(surface_of("structure", participants.structure_interface),
+                                              surface_of("fluid", participants.fluid_interface), pairing);
   if (!interface) return interface.error();
   say(interface->report);
   Exchange exchange(participants, std::move(*interface));
@@ -68,7 +69,7 @@ Result<Exchange> Exchange::create(Participants& participants, const CaseSettings
   exchange.fluid_v_.resize(exchange.fluid_d_.size());
   exchange.structure_x_.resize(exchange.structure_size());
   exchange.force_.resize(exchange.structure_size());
-  exchange.traction_.resize(exchange.structure_size());
+  if (pairing.recover_traction) exchange.traction_.resize(exchange.structure_size());
   return exchange;
 }
 
@@ -141,7 +142,7 @@ Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor,
   record.displacement_defect = projection::projection_defect(interface_, d, fluid_d_);
   record.velocity_defect = projection::projection_defect(interface_, v, fluid_v_);
   for (double& f : force_) f *= load_factor;
-  return interface_.load.recover_traction(force_, traction_);
+  return traction_.empty() ? Result<void>() : interface_.load.recover_traction(force_, traction_);
 }
 
 Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span<const double> d,
@@ -153,8 +154,9 @@ Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span
   const auto load = solve_flow(at, std::move(*mesh_displacement), v, v_start);
   if (!load) return load.error();
   DROGUE_TRY(transfer_load(*load, load_factor, d, v, record));
-  auto outputs = participants_.structure(
-      at, {{"force", field(force_)}, {"traction", field(traction_)}, {"displacement", field(d)}});
+  Fields inputs{{"force", field(force_)}, {"displacement", field(d)}};
+  if (!traction_.empty()) inputs["traction"] = field(traction_);
+  auto outputs = participants_.structure(at, std::move(inputs));
   if (!outputs) return outputs.error();
   record.fluid_inner_iterations = participants_.fluid_report().inner_iterations();
   record.fluid_inner_residual = participants_.fluid_report().inner_residual();

@@ -55,7 +55,8 @@ class Exchange {
   projection::SurfaceIntegrals surface_;
   bool outer_boundary_follows_ = true;
   std::vector<std::int64_t> to_mesh_mover_; ///< {n}: fluid interface node of each mesh mover interface node
-  std::vector<double> fluid_d_, fluid_v_, fluid_x_, structure_x_, force_, traction_;
+  std::vector<double> fluid_d_, fluid_v_, fluid_x_, structure_x_, force_;
+  std::vector<double> traction_; ///< empty unless the structure takes it
 };
 
 } // namespace drogue::coupler

@@ -290,6 +290,10 @@ Result<void> Participants::restore(const Station& at, const std::filesystem::pat
   return {};
 }
 
+bool Participants::structure_takes_traction() const {
+  return find_input(structure_->hello, "traction") != nullptr;
+}
+
 std::string Participants::who_cannot_checkpoint() const {
   for (const Peer* peer : {structure_, mesh_mover_, fluid_})
     if (!peer->hello.can_checkpoint()) return peer->name;

@@ -63,6 +63,9 @@ class Participants {
   [[nodiscard]] const std::string& load_field() const { return load_field_; }
   [[nodiscard]] bool load_is_pressure() const { return load_is_pressure_; }
 
+  /// Whether the structure asks for the "traction" as well as, or in place of, the nodal forces.
+  [[nodiscard]] bool structure_takes_traction() const;
+
   [[nodiscard]] launcher::Hub& hub() { return *hub_; }
 
  private:
