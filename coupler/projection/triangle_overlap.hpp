@@ -11,17 +11,19 @@ namespace drogue::projection {
 /// The corners of a triangle.
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
-/// What of one triangle lies over another: the polygon common to both once the second is projected along the first one's
-/// normal, and integrals of both triangles' shape functions over it.
+/// What of one triangle lies over another: the polygon common to both once the second is projected along the
+/// first one's normal, and integrals of both triangles' shape functions over it.
 struct Overlap {
   int corners = 0; ///< of the polygon; 0: none
   double area = 0; ///< of the polygon, in the parent coordinates of the first triangle, where that has 1/2
-  /// 1 when both triangles go round in the same sense, -1 when they do not, 0 when the second one stands on its edge.
+  /// 1 when both triangles go round in the same sense, -1 when they do not, 0 when the second one stands on
+  /// its edge.
   int sense = 0;
   double gap = 0; ///< largest distance of the two along the normal, over the polygon
   std::array<double, 2> gap_at{};
-  Eigen::Matrix3d cross; ///< (a, b): int N_a of the second times N_b of the first
-  Eigen::Matrix3d own;   ///< (a, b): int N_a N_b of the second
+  Eigen::Matrix3d
+      cross;           ///< set where there are corners; (a, b): int N_a of the second times N_b of the first
+  Eigen::Matrix3d own; ///< likewise; (a, b): int N_a N_b of the second
 };
 
 /// The first triangle with its plane.
@@ -29,8 +31,8 @@ class TriangleFrame {
  public:
   /// @pre the triangle has an area
   explicit TriangleFrame(const Triangle& corners) noexcept;
-  /// int dxi deta over what `other` covers. Every triangle of a surface that is a graph over this plane takes its own
-  /// part: their overlaps add up to the whole where they cover it.
+  /// int dxi deta over what `other` covers. Every triangle of a surface that is a graph over this plane takes
+  /// its own part: their overlaps add up to the whole where they cover it.
   [[nodiscard]] Overlap overlap(const Triangle& other) const noexcept;
   /// Twice the area, and the unit normal.
   [[nodiscard]] double jacobian() const { return jacobian_; }
