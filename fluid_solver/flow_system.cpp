@@ -123,10 +123,11 @@ class BlockFlowSystem final : public FlowSystem {
                    .lsic = settings_.lsic,
                    .convection = convection,
                    .newton = !settings_.newton.picard,
-                   .tau_dt = settings_.tau_step.value_or(dt)};
+                   .tau_dt = settings_.tau_step.value_or(dt),
+                   .time_weight = settings_.time_weight};
     const double u2 = reference_speed * reference_speed;
-    schur_inverse_ =
-        levels == 2 ? (1 / u2) * inverse(slab_schur_matrix(dt)) : Matrix2{1 / (dt * u2), 0, 0, 0};
+    schur_inverse_ = levels == 2 ? (1 / u2) * inverse(slab_schur_matrix(dt, settings_.time_weight))
+                                 : Matrix2{1 / (dt * u2), 0, 0, 0};
   }
 
   [[nodiscard]] Result<double> evaluate(const StepData& data, bool jacobian) override {

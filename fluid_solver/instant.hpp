@@ -15,14 +15,14 @@
 ///   F_a  = int N_a (du/dt + c . grad u - f) - div(w) p + 2 nu S : grad w + tau_lsic div(w) div(u)
 ///        + int tau (c . grad N_a) r
 ///   C_a  = int N_a div u + int tau grad N_a . r
-///   Ft_a = int tau N_a r           (weighs the time derivative of the test function; space-time only)
+///   Ft_a = int tau_time N_a r      (weighs the time derivative of the test function; space-time only)
 /// [tezduyar1992], [stein2001, eqs. (1)-(2) and the text after them].
 ///
 /// Every integrand is a product of linear functions and constants; the integrals are closed-form: with
 /// m = dim + 1 nodes int N_a = V/m, int N_a N_b = V/(m (m + 1)) (1 + delta_ab). No quadrature error in space.
 ///
-/// The tangent is that of F, C, Ft with the coefficients nu, tau and tau_lsic held; in Picard's iteration the
-/// advecting velocity c is held as well.
+/// The tangent is that of F, C, Ft with the coefficients nu, tau, tau_time and tau_lsic held; in Picard's
+/// iteration the advecting velocity c is held as well.
 namespace drogue::fluid::inline DROGUE_ISA {
 
 /// Nodal values at the instant.
@@ -133,8 +133,8 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
       for (int j = 0; j < dim; ++j)
         f += g[a][j] * (s.k.nu * V * (s.grad_u[d][j] + s.grad_u[j][d]) + s.k.tau * c_r[j][d]);
       s.momentum[a][d] = f;
-      s.time_test[a][d] = s.k.tau * s.r_mass[a][d];
-      s.tau_dc_r[a][d] = vary * s.time_test[a][d];
+      s.time_test[a][d] = s.k.tau_time * s.r_mass[a][d];
+      s.tau_dc_r[a][d] = vary * s.k.tau * s.r_mass[a][d];
     }
     Real q = V_mean * div;
     for (int d = 0; d < dim; ++d) q += s.k.tau * g[a][d] * (V_mean * inertia_sum[d] + V * grad_p[d]);
@@ -181,7 +181,7 @@ inline void instant_tangent(const Instant<dim, Real>& s, int a, int b,
   const Real tau_V_mean = tau * V_mean;
   const Real diagonal = s.advect[a][b] + tau * streamline + nu_V * ga_gb;
   const Real mass_advect = mass + tau * s.advect[b][a];
-  const Real tau_mass = tau * mass;
+  const Real tau_mass = s.k.tau_time * mass;
   for (int j = 0; j < dim; ++j) {
     Real projected{}; // sum_i ga_i du_i/dx_j
     for (int i = 0; i < dim; ++i) {
@@ -191,11 +191,11 @@ inline void instant_tangent(const Instant<dim, Real>& s, int a, int b,
       projected += ga[i] * s.dc_grad_u[i][j];
     }
     t.momentum_u[j][j] += diagonal;
-    t.time_u[j][j] += tau * s.advect[a][b];
+    t.time_u[j][j] += s.k.tau_time * s.advect[a][b];
     t.momentum_p[j] = tau * V * c_ga * gb[j] - V_mean * ga[j];
     t.continuity_u[j] = V_mean * gb[j] + tau * V * c_gb * ga[j] + tau_V_mean * projected;
     t.continuity_rate[j] = tau_V_mean * ga[j];
-    t.time_p[j] = tau_V_mean * gb[j];
+    t.time_p[j] = s.k.tau_time * V_mean * gb[j];
   }
   t.momentum_rate = mass_advect;
   t.continuity_p = tau * V * ga_gb;

@@ -88,6 +88,7 @@ struct Settings {
   double smagorinsky = 0;
   bool lsic = true;
   std::optional<double> tau_step; ///< in place of the step in tau
+  bool time_weight = true;        ///< DSD/SST's test functions weigh by their time derivative
   config::VectorExpression body_force;
   std::vector<PhaseSettings> phases;
   NewtonSettings newton;

@@ -13,6 +13,7 @@ struct Coefficients {
   Real nu;       ///< molecular + eddy viscosity [length^2/time]
   Real tau;      ///< tau_supg = tau_pspg [time]
   Real tau_lsic; ///< [length^2/time]
+  Real tau_time; ///< tau_supg of the test functions' time derivative [time]
 };
 
 /// Edge of the regular triangle or tetrahedron of the same volume [length].
@@ -66,6 +67,7 @@ struct StandardCoefficients {
     const double rate = 2.0 / parameters.tau_dt;
     const Real diffusion = 4.0 * k.nu / (h * h);
     k.tau = 1.0 / square_root(advection * advection + rate * rate + diffusion * diffusion);
+    k.tau_time = parameters.time_weight ? k.tau : Real{};
     const Real h_ugn = 2.0 * speed / (advection + tiny);
     const Real speed_h = speed * h_ugn;
     // min(1, Re/3) = |c| h / max(|c| h, 6 nu)

@@ -27,19 +27,21 @@ using Matrix2 = std::array<double, 4>;
 }
 
 /// W of the pressure Schur complement S ~ K (x) W of the slab when inertia dominates:
-///   W = tau Theta + (Theta - tau E)(E + J + tau F)^-1 (Theta + tau E^T)
-/// with Theta, E, F the integrals of T T, T T', T' T' over the slab, J the jump at t_n and tau = dt/2. The
+///   W = tau Theta + (Theta - tau_time E)(E + J + tau_time F)^-1 (Theta + tau E^T)
+/// with Theta, E, F the integrals of T T, T T', T' T' over the slab, J the jump at t_n, tau = dt/2, and
+/// tau_time the same or, without the test functions' time derivative, zero. The
 /// first term is PSPG's own; the middle factor the velocity block over the mass matrix, with SUPG's time
 /// part; its neighbours the divergence and the gradient, each with the stabilisation's share.
-[[nodiscard]] constexpr Matrix2 slab_schur_matrix(double dt) {
+[[nodiscard]] constexpr Matrix2 slab_schur_matrix(double dt, bool time_weight) {
   constexpr Matrix2 theta_over_dt{1.0 / 3, 1.0 / 6, 1.0 / 6, 1.0 / 3};
   constexpr Matrix2 E{-0.5, 0.5, -0.5, 0.5};
   constexpr Matrix2 J{1, 0, 0, 0};
   constexpr Matrix2 F_times_dt{1, -1, -1, 1};
   const double tau = dt / 2;
+  const double tau_time = time_weight ? tau : 0.0;
   const Matrix2 theta = dt * theta_over_dt;
-  return tau * theta +
-         (theta + (-tau) * E) * inverse(E + J + 0.5 * F_times_dt) * (theta + tau * transposed(E));
+  return tau * theta + (theta + (-tau_time) * E) * inverse(E + J + (tau_time / dt) * F_times_dt) *
+                           (theta + tau * transposed(E));
 }
 
 } // namespace drogue::fluid
