@@ -79,14 +79,30 @@ Result<void> LoadTransfer::factor_recovery(const Surface& structure, const Surfa
 void LoadTransfer::add_flat(const InterfaceQuadrature::Element& element, const Matrix3d& G,
                             std::span<double> forces) const noexcept {
   const auto nodes = quadrature_.block_nodes(element);
-  const double* C = quadrature_.block(element);
+  const double *C = quadrature_.block(element), *g = G.data();
   const std::size_t m = element.nodes.size();
-  for (const std::int32_t a : nodes) {
-    double* at = forces.data() + 3 * static_cast<std::size_t>(a);
-    const double c2 = m == 3 ? C[2] : 0;
-    for (Eigen::Index k = 0; k < 3; ++k) at[k] += C[0] * G(k, 0) + C[1] * G(k, 1) + c2 * G(k, 2);
-    C += m;
+  for (std::size_t a = 0; a < nodes.size(); ++a, C += m) {
+    double* at = forces.data() + 3 * static_cast<std::size_t>(nodes[a]);
+    const double c0 = C[0], c1 = C[1], c2 = m == 3 ? C[2] : 0;
+    at[0] += c0 * g[0] + c1 * g[3] + c2 * g[6];
+    at[1] += c0 * g[1] + c1 * g[4] + c2 * g[7];
+    at[2] += c0 * g[2] + c1 * g[5] + c2 * g[8];
   }
+}
+
+/// The sums of a load with the values G in the nodes of a flat element: its mass matrix is k (1 + delta_bc), with
+/// k = 1/24 on triangles and 1/3 on lines, where the third column is zero.
+void LoadTransfer::add_flat_sums(const InterfaceQuadrature::Element& element, const Matrix3d& G, const Matrix3d& X,
+                                 const FluidSide& fluid, LoadSums& sums) noexcept {
+  const std::size_t m = element.nodes.size();
+  const double k = m == 3 ? 1.0 / 24 : 1.0 / 3;
+  const Vector3d whole = G.col(0) + G.col(1) + G.col(2);
+  sums.force += k * static_cast<double>(m + 1) * whole;
+  sums.moment += k * ((X.col(0) + X.col(1) + X.col(2)).cross(whole) + X.col(0).cross(G.col(0)) +
+                      X.col(1).cross(G.col(1)) + X.col(2).cross(G.col(2)));
+  if (fluid.velocity.empty()) return;
+  const Matrix3d V = gather_flat(element.nodes, fluid.velocity);
+  sums.power += k * ((V.col(0) + V.col(1) + V.col(2)).dot(whole) + V.cwiseProduct(G).sum());
 }
 
 void LoadTransfer::add_at_point(std::int64_t point, const Vector3d& f, std::span<double> forces) const noexcept {
@@ -111,10 +127,7 @@ LoadSums LoadTransfer::transfer(const FluidSide& fluid, std::span<double> forces
     if (element.rule < 0) {
       const Matrix3d X = gather_flat(element.nodes, fluid.points);
       const Matrix3d G = flat_load(element.nodes, flat_area(element.kind, X));
-      const Matrix3d F = G * flat_mass(element.kind); // forces on the fluid's own nodes
-      sums.force += F.rowwise().sum();
-      for (Eigen::Index b = 0; b < 3; ++b) sums.moment += X.col(b).cross(F.col(b));
-      if (moving) sums.power += F.cwiseProduct(gather_flat(element.nodes, fluid.velocity)).sum();
+      add_flat_sums(element, G, X, fluid, sums);
       add_flat(element, G, forces);
       continue;
     }

@@ -69,6 +69,8 @@ class LoadTransfer {
   /// f_a += sum_b C_ab g_b, g_b the columns of G.
   void add_flat(const InterfaceQuadrature::Element& element, const Eigen::Matrix3d& G,
                 std::span<double> forces) const noexcept;
+  static void add_flat_sums(const InterfaceQuadrature::Element& element, const Eigen::Matrix3d& G,
+                            const Eigen::Matrix3d& X, const FluidSide& fluid, LoadSums& sums) noexcept;
   void add_at_point(std::int64_t point, const Eigen::Vector3d& f, std::span<double> forces) const noexcept;
   [[nodiscard]] Result<void> factor_recovery(const Surface& structure, const Surface& fluid);
 

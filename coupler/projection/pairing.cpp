@@ -69,6 +69,8 @@ InterfaceQuadrature Pairing::make() {
   for (const Sampled& s : sampled_) sum_points(s);
   finish();
   sample_for_defects();
+  made_.block_nodes_.shrink_to_fit();
+  made_.block_values_.shrink_to_fit();
   return std::move(made_);
 }
 
