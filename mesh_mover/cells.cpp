@@ -39,6 +39,20 @@ Cells cells_of(const mesh::Mesh& mesh) {
   return cells;
 }
 
+std::vector<std::int32_t> with_cells_on_the_left(std::vector<std::int32_t> lines, const Cells& cells) {
+  std::vector<std::array<std::int32_t, 2>> edges; // anticlockwise: the cell lies on the left
+  for (std::size_t e = 0; e < cells.count(); ++e)
+    for (std::size_t a = 0; a < 3; ++a) edges.push_back({cells.cell(e)[a], cells.cell(e)[(a + 1) % 3]});
+  std::sort(edges.begin(), edges.end());
+  const auto has_cell = [&](std::int32_t a, std::int32_t b) {
+    return std::binary_search(edges.begin(), edges.end(), std::array{a, b});
+  };
+  for (std::size_t k = 0; k < lines.size(); k += 2)
+    if (!has_cell(lines[k], lines[k + 1]) && has_cell(lines[k + 1], lines[k]))
+      std::swap(lines[k], lines[k + 1]);
+  return lines;
+}
+
 std::array<double, 3> centroid(std::span<const double> points, std::span<const std::int32_t> nodes) noexcept {
   std::array<double, 3> c{};
   for (const std::int32_t node : nodes)

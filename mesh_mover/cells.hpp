@@ -33,6 +33,10 @@ struct Cells {
 /// two-dimensional: its triangles, turned round when all of them run clockwise. No cells when it is neither.
 [[nodiscard]] Cells cells_of(const mesh::Mesh& mesh);
 
+/// Lines {n, 2} of a two-dimensional mesh, turned where the only cell beside one lies on its right.
+[[nodiscard]] std::vector<std::int32_t> with_cells_on_the_left(std::vector<std::int32_t> lines,
+                                                               const Cells& cells);
+
 /// Mean of the nodes' positions.
 [[nodiscard]] std::array<double, 3> centroid(std::span<const double> points,
                                              std::span<const std::int32_t> nodes) noexcept;

@@ -36,7 +36,6 @@ class Extension {
 /// @param initial_jacobians {m}
 [[nodiscard]] std::unique_ptr<Extension> make_extension(const Settings& settings, const Cells& cells,
                                                         const BoundaryMotion& motion,
-                                                        std::span<const double> initial_points,
                                                         std::span<const double> initial_jacobians);
 
 } // namespace drogue::mesh_mover

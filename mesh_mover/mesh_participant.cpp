@@ -83,10 +83,12 @@ participant::InterfaceMesh MeshParticipant::interface_mesh() const {
   };
   for (const auto& block : mesh.blocks) {
     const auto is_this = [&](const Boundary& b) { return b.is_interface && b.name == block.group; };
-    if (block.kind != mesh::ElementKind::tri3 ||
-        std::none_of(settings_.boundaries.begin(), settings_.boundaries.end(), is_this))
-      continue;
-    std::transform(block.nodes.begin(), block.nodes.end(), std::back_inserter(interface.triangles), local);
+    if (std::none_of(settings_.boundaries.begin(), settings_.boundaries.end(), is_this)) continue;
+    if (mover_->cells().dimension == 3 && block.kind == mesh::ElementKind::tri3)
+      std::transform(block.nodes.begin(), block.nodes.end(), std::back_inserter(interface.triangles), local);
+    if (mover_->cells().dimension == 2 && block.kind == mesh::ElementKind::line2)
+      for (const std::int32_t node : with_cells_on_the_left(block.nodes, mover_->cells()))
+        interface.lines.push_back(local(node));
   }
   interface.mesh_nodes.assign(nodes.begin(), nodes.end());
   interface.mesh_node_count = static_cast<std::uint64_t>(mesh.node_count());

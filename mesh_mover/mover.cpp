@@ -22,7 +22,7 @@ MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, Cells cells, Bou
       cells_(std::move(cells)),
       motion_(std::move(motion)),
       initial_(std::move(initial)),
-      extension_(make_extension(settings_, cells_, motion_, mesh_.points, initial_.jacobians)),
+      extension_(make_extension(settings_, cells_, motion_, initial_.jacobians)),
       u_n_(mesh_.points.size(), 0.0),
       increment_n_(u_n_),
       u_np1_(u_n_),

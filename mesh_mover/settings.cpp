@@ -19,6 +19,7 @@ class Checker {
 
   void boundaries();
   void interface();
+  void method();
   void against(const mesh::Mesh& mesh);
 
  private:
@@ -75,6 +76,19 @@ void Checker::interface() {
                              "which the coupler's replaces",
                              name));
   }
+}
+
+void Checker::method() {
+  const bool algebraic = config_.method() == v1::MeshMoverConfig::ALGEBRAIC;
+  const auto refuse = [&](bool is_given, const char* field, const char* method) {
+    if (is_given)
+      report_.error(at(field), fmt::format("{} has no meaning with method: {}; leave it out", field, method));
+  };
+  refuse(algebraic && config_.has_stiffening_exponent(), "stiffening_exponent", "ALGEBRAIC");
+  refuse(algebraic && config_.has_poisson_ratio(), "poisson_ratio", "ALGEBRAIC");
+  refuse(algebraic && config_.has_stiff_layers(), "stiff_layers", "ALGEBRAIC");
+  refuse(algebraic && config_.has_linear_solver(), "linear_solver", "ALGEBRAIC");
+  refuse(!algebraic && config_.has_weight_exponent(), "weight_exponent", "ELASTIC");
 }
 
 void Checker::in_plane() {
@@ -183,6 +197,8 @@ LinearSolverKind linear_solver_from(v1::MeshMoverConfig::LinearSolver kind) {
 
 Settings settings_from(const v1::MeshMoverConfig& config) {
   Settings s;
+  s.method = config.method() == v1::MeshMoverConfig::ALGEBRAIC ? Method::algebraic : Method::elastic;
+  s.weight_exponent = config.weight_exponent();
   s.stiffening_exponent = config.stiffening_exponent();
   s.poisson_ratio = config.poisson_ratio();
   s.increment = config.increment() == v1::MeshMoverConfig::FROM_INITIAL ? Increment::from_initial
@@ -214,6 +230,7 @@ Result<Case> load_case(const std::filesystem::path& file, Role role) {
   Checker check(config, source, report);
   check.boundaries();
   check.interface();
+  check.method();
   if (role == Role::participant && config.interface_size() == 0)
     report.error(source.where("interface"),
                  "a participant needs interface: the boundaries that follow the structure");

@@ -16,6 +16,9 @@ namespace drogue::mesh_mover {
 /// What the stiffness of a step is taken from; see the config schema.
 enum class Increment { from_last_step, from_initial };
 
+/// How the boundary's motion is carried into the mesh.
+enum class Method { elastic, algebraic };
+
 enum class LinearSolverKind { automatic, direct, iterative };
 
 /// Elements around the displaced boundaries, so many layers deep, are stiffer by a factor.
@@ -45,6 +48,8 @@ struct OutputSettings {
 };
 
 struct Settings {
+  Method method = Method::elastic;
+  double weight_exponent = 2; ///< Method::algebraic
   double stiffening_exponent = 1;
   double poisson_ratio = 0.3;
   Increment increment = Increment::from_last_step;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two dimensions, sub-increments, limits and stiffer layers.
+#include "mesh_mover/algebraic_extension.hpp"
 #include "mesh_mover/pseudo_solid.hpp"
 #include "tests/mesh_mover/box_mesh.hpp"
 #include "tests/mesh_mover/mover_cases.hpp"
@@ -55,6 +56,17 @@ TEST(CellsOf, TurnsAPlaneSeenFromBelow) {
   const auto refused = initial_shapes(plane.points, cells_of(plane));
   ASSERT_FALSE(refused.ok());
   EXPECT_NE(refused.error().message.find("triangle 1"), std::string::npos) << refused.error().message;
+}
+
+TEST(CellsOf, TurnsLinesToTheCells) {
+  const auto plane = test::plane_mesh({0, 1}, {0, 1}, [](int, int) { return false; });
+  const Cells cells = cells_of(plane);
+  for (const auto& side : sides) {
+    const auto* block = plane.blocks_of(side).front();
+    const std::vector<std::int32_t> turned = {block->nodes[1], block->nodes[0]};
+    EXPECT_EQ(with_cells_on_the_left(block->nodes, cells), block->nodes); // plane_mesh has them so
+    EXPECT_EQ(with_cells_on_the_left(turned, cells), block->nodes);
+  }
 }
 
 class InThePlane : public testing::TestWithParam<Increment> {};
@@ -158,8 +170,52 @@ TEST(Plane, StiffLayersKeepTheirElements) {
   EXPECT_LT(change_beside_the_body(1), 0.7 * change_beside_the_body(0));
 }
 
+// Distances along the mesh, from the nearest source.
+TEST(Algebraic, NearestSources) {
+  const auto mesh = plane_with_body();
+  const Cells cells = cells_of(mesh);
+  const auto body = mesh.nodes_of("body");
+  const auto nearest =
+      nearest_sources(Graph(lower_pattern(cells, mesh.points.size() / 3)), mesh.points, body);
+  for (std::size_t i = 0; i < nearest.node.size(); ++i) {
+    double exact = 10;
+    for (const std::int32_t node : body) {
+      const double* X = &mesh.points[3 * static_cast<std::size_t>(node)];
+      exact = std::min(exact, std::hypot(X[0] - mesh.points[3 * i], X[1] - mesh.points[3 * i + 1]));
+    }
+    EXPECT_GE(nearest.distance[i], exact - 1e-14);
+    EXPECT_LE(nearest.distance[i], 1.05 * exact + 1e-14); // neighbours hand on one source alone
+  }
+}
+
+TEST_P(InThePlane, AlgebraicPatchTest) {
+  Settings settings = affine(0);
+  settings.method = Method::algebraic;
+  settings.increment = GetParam();
+  // One boundary around all: sides alone are lines, and do not tell an affine motion.
+  auto mesh = plane_with_body();
+  settings.boundaries = {settings.boundaries.front(), settings.boundaries.back()};
+  settings.boundaries.front().name = "rim";
+  for (auto& block : mesh.blocks)
+    if (std::find(sides.begin(), sides.end(), block.group) != sides.end()) block.group = "rim";
+  const auto mover = make(std::move(mesh), settings);
+  for (int step = 1; step <= 3; ++step) {
+    step_to(*mover, step);
+    const double t = step;
+    EXPECT_LT(largest_error(
+                  *mover,
+                  [t](const double* X) -> std::array<double, 3> {
+                    return {t * (0.1 + 0.05 * X[0] - 0.08 * X[1]), t * (0.03 * X[0] + 0.04 * X[1] - 0.2), 0};
+                  }),
+              1e-10);
+  }
+}
+
 // Several bodies, each with its own motion; the top slides, one side is translated.
-TEST(Plane, SeveralBodiesAndConditions) {
+class BothMethods : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, BothMethods, testing::Values(Method::elastic, Method::algebraic));
+
+TEST_P(BothMethods, SeveralBodiesAndConditions) {
   const auto axis = test::uniform(0, 1, 12);
   auto mesh =
       test::plane_mesh(axis, axis, [](int i, int j) { return (i == 3 || i == 8) && (j == 5 || j == 6); });
@@ -178,6 +234,7 @@ TEST(Plane, SeveralBodiesAndConditions) {
   settings.boundaries = {boundary("x0", Condition::fixed),      boundary("x1", Condition::translated),
                          boundary("y0", Condition::sliding, 1), boundary("y1", Condition::sliding, 1),
                          moved("body", "0.1*t", "0"),           moved("right", "0", "0.08*t")};
+  settings.method = GetParam();
   const auto mover = make(std::move(mesh), settings);
   ASSERT_TRUE(mover->begin_step(1).ok());
   BoundaryInput input;

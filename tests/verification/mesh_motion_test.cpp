@@ -59,6 +59,17 @@ TEST(Patch, PlainElasticityReproducesAffineMotions) {
       }
 }
 
+TEST(Patch, AlgebraicMethodReproducesAffineMotionsOfFullBodies) {
+  for (const auto increment : {Increment::from_last_step, Increment::from_initial}) {
+    Settings settings;
+    settings.method = Method::algebraic;
+    settings.increment = increment;
+    verify(fmt::format("mesh/patch_3d_{}_algebraic",
+                       increment == Increment::from_initial ? "from_initial" : "from_last_step"),
+           "error", patch_error(sphere, settings), 0, 1e-10);
+  }
+}
+
 constexpr int steps = 20;
 
 Settings moving_sphere(Increment increment) {

@@ -59,8 +59,8 @@ Settings settings_for(const PlateMotion& motion, double chi) {
 }
 
 /// After all steps, or at the first inverted element.
-Outcome move(const PlateMotion& motion, double chi) {
-  const auto mover = make(test::plate_in_square(), settings_for(motion, chi));
+Outcome move(const Settings& settings) {
+  const auto mover = make(test::plate_in_square(), settings);
   Outcome outcome;
   for (int step = 1; step <= steps; ++step) {
     EXPECT_TRUE(mover->begin_step(1.0 / steps).ok());
@@ -81,7 +81,7 @@ Outcome move(const PlateMotion& motion, double chi) {
 void verify_table(const PlateMotion& motion, double f_A, double f_AR) {
   std::vector<double> layers;
   for (const double chi : exponents) {
-    const Outcome row = move(motion, chi);
+    const Outcome row = move(settings_for(motion, chi));
     const std::string name = fmt::format("mesh/plate_{}_chi{:g}", motion.name, chi);
     verify(name, "inversion", row.is_inverted, chi == 0, 0);
     if (chi == 0) continue;
@@ -103,6 +103,21 @@ TEST(Plate, Rotation) {
 
 TEST(Plate, Bending) {
   verify_table(bending, 2, 4.5);
+}
+
+/// The algebraic method carries rigid motions of the plate into the mesh around it.
+TEST(Plate, AlgebraicMethod) {
+  for (const auto& motion : {translation, rotation}) {
+    Settings settings = settings_for(motion, 0);
+    settings.method = Method::algebraic;
+    const Outcome row = move(settings);
+    const std::string name = fmt::format("mesh/plate_{}_algebraic", motion.name);
+    verify(name, "inversion", row.is_inverted, 0, 0);
+    verify_between(name, "f_A", row.quality.f_A, 0, 3);
+    verify_between(name, "f_AR", row.quality.f_AR, 0, 4.5);
+    verify_between(name, "f_A_of_thin_elements", row.layer.f_A, 0, 0.1);
+    verify_between(name, "f_AR_of_thin_elements", row.layer.f_AR, 0, 0.1);
+  }
 }
 
 /// f_A after the plate was bent and unbent.
