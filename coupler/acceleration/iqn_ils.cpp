@@ -11,6 +11,23 @@ namespace drogue::acceleration {
 namespace {
 
 constexpr double smallest_squared_ratio = 1e-13;
+constexpr std::size_t rows_at_once = 512;
+
+/// Rows `start` to `start + rows_at_once`, or as many as there are.
+std::span<const double> rows(const std::vector<double>& v, std::size_t start) {
+  return std::span(v).subspan(start, std::min(rows_at_once, v.size() - start));
+}
+
+/// y += sum_j c_j times the member `what` of the columns kept.
+template <class Columns, class Values>
+void add_columns(const std::vector<double>& c, const Columns& columns, const std::vector<std::size_t>& kept,
+                 Values what, std::span<double> y) {
+  for (std::size_t start = 0; start < y.size(); start += rows_at_once)
+    for (std::size_t j = 0; j < c.size(); ++j) {
+      const auto part = rows((*columns[kept[j]]).*what, start);
+      add_scaled(c[j], part, y.subspan(start, part.size()));
+    }
+}
 
 std::size_t packed(std::size_t i, std::size_t j) {
   return j * (j + 1) / 2 + i;
@@ -48,6 +65,17 @@ void IqnIls::rollback() {
   has_last_ = false;
 }
 
+/// Of a new column with itself and with those there are, block by block, while it is near.
+std::vector<double> IqnIls::products(const std::vector<double>& dr) const {
+  std::vector<double> gram(columns_.size() + 1, 0.0);
+  for (std::size_t start = 0; start < dr.size(); start += rows_at_once) {
+    const auto part = rows(dr, start);
+    gram[0] += dot(part, part);
+    for (std::size_t k = 0; k < columns_.size(); ++k) gram[k + 1] += dot(part, rows(columns_[k]->dr, start));
+  }
+  return gram;
+}
+
 std::shared_ptr<const IqnIls::Column> IqnIls::make_column(const Iterate& at) const {
   auto column = std::make_shared<Column>();
   column->step = step_;
@@ -59,9 +87,7 @@ std::shared_ptr<const IqnIls::Column> IqnIls::make_column(const Iterate& at) con
     column->dh[i] = at.h[i] - h_last_[i];
   }
   for (std::size_t i = 0; i < passenger_; ++i) column->dp[i] = at.h_passenger[i] - p_last_[i];
-  column->gram.reserve(columns_.size() + 1);
-  column->gram.push_back(dot(column->dr, column->dr));
-  for (const auto& older : columns_) column->gram.push_back(dot(column->dr, older->dr));
+  column->gram = products(column->dr);
   return column;
 }
 
@@ -93,24 +119,36 @@ void IqnIls::factor() {
   }
 }
 
-/// c += arg min | residual + sum_j c_j dr_j | by R^T R c = -dr^T residual; takes the combination into the
-/// residual.
-void IqnIls::add_correction(std::vector<double>& residual, std::vector<double>& c) const {
+/// The c with R^T R c = b, in place.
+void IqnIls::solve_normal_equations(std::vector<double>& b) const {
   const std::size_t m = kept_.size();
-  std::vector<double> y(m);
   for (std::size_t j = 0; j < m; ++j) {
-    y[j] = -dot(columns_[kept_[j]]->dr, residual);
-    for (std::size_t i = 0; i < j; ++i) y[j] -= R_[packed(i, j)] * y[i];
-    y[j] /= R_[packed(j, j)];
+    for (std::size_t i = 0; i < j; ++i) b[j] -= R_[packed(i, j)] * b[i];
+    b[j] /= R_[packed(j, j)];
   }
   for (std::size_t j = m; j-- > 0;) {
-    y[j] /= R_[packed(j, j)];
-    for (std::size_t i = 0; i < j; ++i) y[i] -= R_[packed(i, j)] * y[j];
+    b[j] /= R_[packed(j, j)];
+    for (std::size_t i = 0; i < j; ++i) b[i] -= R_[packed(i, j)] * b[j];
   }
-  for (std::size_t j = 0; j < m; ++j) {
-    add_scaled(y[j], columns_[kept_[j]]->dr, residual);
-    c[j] += y[j];
+}
+
+/// arg min | r + sum_j c_j dr_j |, once more on what the first solution leaves. That rest is formed and
+/// multiplied with the columns block by block, while these are near: the columns are read twice in all.
+std::vector<double> IqnIls::least_squares() const {
+  const std::size_t m = kept_.size(), n = r_.size();
+  std::vector<double> c(m), more(m, 0.0), rest(rows_at_once);
+  for (std::size_t j = 0; j < m; ++j) c[j] = -dot(columns_[kept_[j]]->dr, r_);
+  solve_normal_equations(c);
+  for (std::size_t start = 0; start < n; start += rows_at_once) {
+    const auto residual = rows(r_, start);
+    const std::span<double> part(rest.data(), residual.size());
+    std::copy(residual.begin(), residual.end(), part.begin());
+    for (std::size_t j = 0; j < m; ++j) add_scaled(c[j], rows(columns_[kept_[j]]->dr, start), part);
+    for (std::size_t j = 0; j < m; ++j) more[j] -= dot(rows(columns_[kept_[j]]->dr, start), part);
   }
+  solve_normal_equations(more);
+  for (std::size_t j = 0; j < m; ++j) c[j] += more[j];
+  return c;
 }
 
 bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double> passenger_next) {
@@ -131,17 +169,13 @@ bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double>
     return true;
   }
   // 3. Least squares, once more on what is left.
-  std::vector<double> c(kept_.size(), 0.0);
-  add_correction(r_, c);
-  add_correction(r_, c);
+  const std::vector<double> c = least_squares();
   if (!all_finite(c)) return false;
   // 4. The update.
   std::copy(h_last_.begin(), h_last_.end(), x_next.begin());
   std::copy(p_last_.begin(), p_last_.end(), passenger_next.begin());
-  for (std::size_t j = 0; j < c.size(); ++j) {
-    add_scaled(c[j], columns_[kept_[j]]->dh, x_next);
-    add_scaled(c[j], columns_[kept_[j]]->dp, passenger_next);
-  }
+  add_columns(c, columns_, kept_, &Column::dh, x_next);
+  add_columns(c, columns_, kept_, &Column::dp, passenger_next);
   return true;
 }
 
@@ -175,8 +209,7 @@ Result<void> IqnIls::restore(const State& state) {
     column->dr = part(state.column_dr, n);
     column->dh = part(state.column_dh, n);
     column->dp = part(state.column_dp, passenger_);
-    column->gram.push_back(dot(column->dr, column->dr));
-    for (const auto& older : columns_) column->gram.push_back(dot(column->dr, older->dr));
+    column->gram = products(column->dr);
     columns_.push_front(std::move(column));
   }
   step_ = state.step;

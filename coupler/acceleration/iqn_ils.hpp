@@ -43,8 +43,10 @@ class IqnIls final : public Accelerator {
   using Columns = std::deque<std::shared_ptr<const Column>>;
 
   [[nodiscard]] std::shared_ptr<const Column> make_column(const Iterate& at) const;
+  [[nodiscard]] std::vector<double> products(const std::vector<double>& dr) const;
   void factor();
-  void add_correction(std::vector<double>& residual, std::vector<double>& c) const;
+  void solve_normal_equations(std::vector<double>& b) const;
+  [[nodiscard]] std::vector<double> least_squares() const;
 
   Settings settings_;
   std::vector<double> root_weights_;
