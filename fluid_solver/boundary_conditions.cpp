@@ -134,4 +134,18 @@ std::vector<SlipDirections> VelocityConstraints::apply(double t, std::span<const
   return slip_.apply(points, wall_velocity, unknowns, stride, offset);
 }
 
+std::string VelocityConstraints::not_finite(double t, std::span<const double> points) const {
+  for (const Entry& e : entries_) {
+    const BoundarySettings& b = boundaries_[at(e.boundary)];
+    if (b.condition != Condition::velocity) continue;
+    const double* x = points.data() + 3 * at(e.node);
+    const auto d = static_cast<std::size_t>(e.component);
+    if (const double value = b.value[d](x[0], x[1], x[2], t); !std::isfinite(value))
+      return fmt::format(
+          "the velocity of boundary \"{}\", {}: \"{}\", is {} at ({:.6g}, {:.6g}, {:.6g}), t = {:.6g}",
+          b.name, "xyz"[d], b.value[d].text(), value, x[0], x[1], x[2], t);
+  }
+  return {};
+}
+
 } // namespace drogue::fluid

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "fluid_solver/fluid_mesh.hpp"
@@ -23,6 +24,8 @@ class VelocityConstraints {
 
   /// 1 where component d of node i is prescribed by no-slip or velocity, at 3 i + d.
   [[nodiscard]] std::span<const char> fixed() const { return fixed_; }
+  /// Says which boundary prescribes a velocity that is not a number at t, and where; empty when none does.
+  [[nodiscard]] std::string not_finite(double t, std::span<const double> points) const;
   /// Node whose pressure is held because no boundary is open; -1 when one is.
   [[nodiscard]] std::int32_t pinned_node() const { return pinned_; }
   /// Nodes that free slip holds in directions of its own.

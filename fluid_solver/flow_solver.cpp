@@ -186,7 +186,13 @@ Result<double> FlowSolver::evaluate(bool jacobian) {
   apply_constraints();
   if (!first_residual_) set_scale();
   auto norm = active_->evaluate(data_, jacobian);
-  if (!norm) return norm;
+  if (!norm) {
+    for (const auto& [t, x] :
+         {std::pair{data_.t_n, &data_.x_n}, std::pair{data_.t_n + data_.dt, &data_.x_np1}})
+      if (const std::string cause = constraints_.not_finite(t, *x); !cause.empty())
+        return numerical_error("{}", cause);
+    return norm;
+  }
   if (!first_residual_) first_residual_ = *norm;
   total_.residual = *first_residual_ > 0 ? *norm / *first_residual_ : 0;
   total_.worst = std::max(total_.worst, total_.residual);

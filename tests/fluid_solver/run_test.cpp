@@ -195,6 +195,14 @@ TEST_F(FluidProgram, AStepThatFailsKeepsTheLastGoodState) {
   EXPECT_EQ(std::count(series.begin(), series.end(), '\n'), 3) << series; // header and two steps
 }
 
+TEST_F(FluidProgram, AnInflowThatIsNotANumberIsNamed) {
+  const std::string text = replaced(base_config, "name: \"z0\" velocity { z: \"1\" }",
+                                    "name: \"z0\" velocity { z: \"sqrt(0.02-t)\" }");
+  EXPECT_EQ(run("", "run", replaced(replaced(text, "OUT", "out"), "FINAL", "last.state")), 3) << log();
+  for (const char* part : {"boundary \"z0\"", "sqrt(0.02-t)", "t = 0.05"})
+    EXPECT_NE(log().find(part), std::string::npos) << part << "\n" << log();
+}
+
 /// Two iterations are too few for a step of 0.4, but not for its eighths.
 TEST_F(FluidProgram, AStepThatFailsIsTakenInParts) {
   std::string text = replaced(base_config, "step: 0.05 steps: 2", "step: 0.4 steps: 1");
