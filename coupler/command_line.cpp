@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/command_line.hpp"
 
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
 #include "common/base/log.hpp"
 #include "coupler/check.hpp"
 #include "coupler/checkpoints.hpp"
+#include "coupler/conform/conform.hpp"
+#include "coupler/conform/report.hpp"
 #include "coupler/project/project.hpp"
 #include "coupler/run.hpp"
 
@@ -107,6 +111,49 @@ int project_field(const ProjectCommand& command) {
   return 0;
 }
 
+/// Declares `conform` and its options, which are read into `c`.
+CLI::App* add_conform(CLI::App& app, ConformCommand& c) {
+  CLI::App* command = app.add_subcommand(
+      "conform", "play a scripted coupler against one participant and check every promise of the protocol");
+  command->add_option("COMMAND", c.command, "after --: the participant's program and its arguments");
+  command->add_option("--as", c.role, "its role; default: what its fields make it")
+      ->check(CLI::IsMember({"fluid", "structure", "mesh_mover"}));
+  command->add_option("--json", c.json, "the report as a file");
+  command->add_option("--only", c.only, "check these promises alone (names as in the report)")
+      ->check(CLI::IsMember(conform::Report::names()));
+  command->add_option("--folder", c.folder, "keep logs and results here; default: a temporary folder");
+  command->add_option("--time-step", c.sizes.time_step, "length of the steps [time]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--displacement", c.sizes.displacement,
+                   "motion of a step, relative to the size of the interface")
+      ->capture_default_str();
+  command->add_option("--load", c.sizes.load, "pressure or traction on the interface [stress]")
+      ->capture_default_str();
+  command->add_option("--deadline", c.deadline, "longest wait for an answer [seconds]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  return command;
+}
+
+/// What follows the first "--" of `coupler conform ... -- PROGRAM ARGUMENTS`; argc is cut there.
+std::vector<std::string> cut_command(int& argc, char** argv) {
+  if (argc < 2 || std::string_view(argv[1]) != "conform") return {};
+  char** const end = argv + argc;
+  char** const dashes = std::find_if(argv, end, [](const char* a) { return std::string_view(a) == "--"; });
+  if (dashes == end) return {};
+  argc = static_cast<int>(dashes - argv);
+  return {dashes + 1, end};
+}
+
+int conform_to_protocol(const ConformCommand& command) {
+  if (command.command.empty())
+    return fail(config_error("conform needs a program: coupler conform -- PROGRAM ARGUMENTS"));
+  if (const auto outcome = check_conformance(command); !outcome) return fail(outcome.error());
+  return 0;
+}
+
 } // namespace
 
 int command_line(int argc, char** argv) {
@@ -128,11 +175,16 @@ int command_line(int argc, char** argv) {
   const CLI::App* resume_command = add_resume(app, resume, verbose);
   CheckpointCommand wanted;
   const CLI::App* checkpoint_command = add_checkpoint(app, wanted);
+  ConformCommand conformance;
+  const std::vector<std::string> subject = cut_command(argc, argv);
+  const CLI::App* conform_command = add_conform(app, conformance);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::config);
   }
+  conformance.command.insert(conformance.command.end(), subject.begin(), subject.end());
+  if (*conform_command) return conform_to_protocol(conformance);
   if (*project_command) return project_field(projection);
   if (verbose) spdlog::set_level(spdlog::level::debug);
   if (*check_command) return check(file);

@@ -52,6 +52,7 @@ Result<void> CoupledFlow::execute(const Order& order) {
     return iterate(order.numbers);
   case Order::Kind::commit: {
     const auto figures = run_.finish_step(order.numbers[0] != 0);
+    advanced_ = true;
     return figures ? Result<void>() : figures.error();
   }
   case Order::Kind::rollback:
@@ -63,7 +64,7 @@ Result<void> CoupledFlow::execute(const Order& order) {
   case Order::Kind::restore:
     return restore(order.text);
   case Order::Kind::stop:
-    return run_.write_last_fields();
+    return advanced_ ? run_.write_last_fields() : Result<void>();
   }
   return internal_error("unknown order");
 }
@@ -82,7 +83,9 @@ Result<void> CoupledFlow::restore(const std::string& directory) {
   const auto file = io::read_state(std::filesystem::path(directory) / state_file);
   if (!file) return file.error();
   DROGUE_TRY(run_.import_state(*file));
-  return resume_ ? run_.restore_positions(std::filesystem::path(directory) / positions_file) : Result<void>();
+  if (resume_) DROGUE_TRY(run_.restore_positions(std::filesystem::path(directory) / positions_file));
+  advanced_ = true;
+  return {};
 }
 
 Result<void> CoupledFlow::iterate(const std::vector<double>& numbers) {

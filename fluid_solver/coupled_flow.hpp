@@ -68,6 +68,7 @@ class CoupledFlow {
   NewtonReport report_;
   std::vector<double> forces_; ///< nodal, of the last iterate, for the consistent traction
   bool resume_ = false;
+  bool advanced_ = false; ///< a step was committed, or restored: there is something to write at the end
 };
 
 } // namespace drogue::fluid

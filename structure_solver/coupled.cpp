@@ -158,11 +158,12 @@ Result<participant::IterationReport> Coupled::iterate(const participant::Fields&
 
 Result<void> Coupled::commit(bool write_output) {
   integrator_.commit();
+  advanced_ = true;
   return results_->step({integrator_.committed(), integrator_.balance(), step_iterations_, write_output});
 }
 
 Result<void> Coupled::finish() {
-  if (!results_ || integrator_.committed().step == 0) return {};
+  if (!advanced_) return {};
   return results_->fields(integrator_.committed());
 }
 
@@ -180,7 +181,9 @@ Result<void> Coupled::restore(const std::filesystem::path& directory) {
   auto state = read_state(directory / checkpoint_file, *case_.model);
   if (!state) return state.error();
   integrator_.reset(std::move(*state));
-  return resume_ ? results_->continue_from(directory / positions_file, case_.start.step + 1) : Result<void>();
+  if (resume_) DROGUE_TRY(results_->continue_from(directory / positions_file, case_.start.step + 1));
+  advanced_ = true;
+  return {};
 }
 
 } // namespace drogue::structure

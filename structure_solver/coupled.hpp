@@ -49,6 +49,7 @@ class Coupled : public participant::Solver {
   std::vector<double> force_, target_; // work space of iterate
   int step_iterations_ = 0;
   bool resume_ = false;
+  bool advanced_ = false; ///< a step was committed, or restored: there is something to write at the end
 };
 
 } // namespace drogue::structure

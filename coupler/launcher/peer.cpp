@@ -212,7 +212,11 @@ Result<void> Hub::take(wire::Message message) {
     return {};
   }
   Peer& peer = **it;
-  if (e.has_hello()) {
+  const bool again = e.has_hello() ? peer.state != participant::ProtocolState::connected
+                                   : e.request_id() != 0 && e.request_id() <= peer.answered;
+  if (again) {
+    spdlog::warn("{} sent {} again: ignored", peer.name, participant::name(e.body_case()));
+  } else if (e.has_hello()) {
     peer.hello = e.hello();
     peer.state = participant::ProtocolState::greeted;
     for (const std::int64_t pid : e.hello().pid()) {
@@ -223,6 +227,7 @@ Result<void> Hub::take(wire::Message message) {
     peer.beat = e.beat();
   } else if (peer.request != 0 && e.request_id() == peer.request) {
     peer.busy_seconds += Seconds(steady_clock::now() - peer.asked_at).count();
+    peer.answered = peer.request;
     peer.answer = std::move(message);
   } else {
     return peer_error("{} answered request {} while request {} was outstanding", peer.name, e.request_id(),
@@ -315,7 +320,8 @@ Result<void> Hub::shut_down(Seconds deadline) {
 }
 
 void Hub::abort(const std::string& reason) {
-  close_all(Seconds(0.5), [&](v1::Envelope& e) { e.mutable_abort()->set_reason(reason); });
+  const std::string without_log = reason.substr(0, reason.find('\n'));
+  close_all(Seconds(0.5), [&](v1::Envelope& e) { e.mutable_abort()->set_reason(without_log); });
 }
 
 } // namespace drogue::launcher

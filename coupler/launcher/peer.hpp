@@ -31,6 +31,7 @@ struct Peer {
 
   // The outstanding request; request 0 is none.
   std::uint64_t request = 0;
+  std::uint64_t answered = 0; ///< the last request that was answered
   v1::Envelope::BodyCase request_body = v1::Envelope::BODY_NOT_SET;
   v1::Envelope where;           ///< step, iteration and attempt of the request
   std::optional<v1::Beat> beat; ///< the last one since the request

@@ -9,6 +9,39 @@
 namespace drogue::coupler {
 namespace {
 
+using C = v1::FieldContract;
+
+/// A field as the coupler understands it.
+struct ExpectedField {
+  std::string_view name;
+  C::Quantity quantity;
+  C::Location location;
+  std::uint32_t components;
+  C::TimeLevel time_level;
+};
+
+struct RoleContract {
+  std::vector<ExpectedField> outputs; ///< each must be given
+  std::vector<ExpectedField> inputs;  ///< what the coupler has
+};
+
+RoleContract contract_of(const std::string& role) {
+  if (role == "structure")
+    return {{{"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+             {"velocity", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP}},
+            {{"force", C::FORCE, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+             {"traction", C::TRACTION, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+             {"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP}}};
+  if (role == "mesh_mover")
+    return {{{"mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3, C::END_OF_STEP}},
+            {{"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+             {"translation", C::TRANSLATION, C::GLOBAL, 3, C::END_OF_STEP}}};
+  return {{},
+          {{"mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3, C::END_OF_STEP},
+           {"velocity", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP},
+           {"velocity_start", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP}}};
+}
+
 template <class List>
 const v1::FieldContract* find(const List& list, std::string_view name) {
   for (const v1::FieldContract& f : list)
@@ -18,7 +51,6 @@ const v1::FieldContract* find(const List& list, std::string_view name) {
 
 Result<void> check_match(const std::string& who, const char* what, const v1::FieldContract& f,
                          const ExpectedField& expected) {
-  using C = v1::FieldContract;
   const auto describe = [](C::Quantity q, C::Location l, std::uint32_t components, C::TimeLevel t) {
     return fmt::format("{} at {}, {} components, {}", C::Quantity_Name(q), C::Location_Name(l), components,
                        C::TimeLevel_Name(t));
@@ -41,22 +73,23 @@ const v1::FieldContract* find_output(const v1::Hello& hello, std::string_view na
   return find(hello.output(), name);
 }
 
-Result<void> check_contract(const launcher::Peer& peer, const std::vector<ExpectedField>& outputs,
-                            const std::vector<ExpectedField>& inputs) {
-  for (const ExpectedField& expected : outputs) {
-    const v1::FieldContract* f = find_output(peer.hello, expected.name);
-    if (!f)
-      return config_error("{} does not give \"{}\", which the coupling needs", peer.name, expected.name);
-    DROGUE_TRY(check_match(peer.name, "output", *f, expected));
+Result<void> check_role(const std::string& role, const v1::Hello& hello) {
+  const RoleContract contract = contract_of(role);
+  for (const ExpectedField& expected : contract.outputs) {
+    const v1::FieldContract* f = find_output(hello, expected.name);
+    if (!f) return config_error("{} does not give \"{}\", which the coupling needs", role, expected.name);
+    DROGUE_TRY(check_match(role, "output", *f, expected));
   }
-  for (const v1::FieldContract& f : peer.hello.input()) {
-    const auto it =
-        std::find_if(inputs.begin(), inputs.end(), [&](const auto& e) { return e.name == f.name(); });
-    if (it != inputs.end())
-      DROGUE_TRY(check_match(peer.name, "input", f, *it));
+  for (const v1::FieldContract& f : hello.input()) {
+    const auto it = std::find_if(contract.inputs.begin(), contract.inputs.end(),
+                                 [&](const auto& e) { return e.name == f.name(); });
+    if (it != contract.inputs.end())
+      DROGUE_TRY(check_match(role, "input", f, *it));
     else if (!f.optional())
-      return config_error("{} needs \"{}\", which the coupler does not have", peer.name, f.name());
+      return config_error("{} needs \"{}\", which the coupler does not have", role, f.name());
   }
+  if (role == "structure" && !find_input(hello, "force") && !find_input(hello, "traction"))
+    return config_error("structure takes neither \"force\" nor \"traction\": it cannot be loaded");
   return {};
 }
 

@@ -5,29 +5,18 @@
 #include <vector>
 
 #include "common/base/result.hpp"
-#include "coupler/launcher/peer.hpp"
 #include "participant/cpp/participant.hpp"
 
 namespace drogue::coupler {
 
-/// A field as the coupler understands it.
-struct ExpectedField {
-  std::string_view name;
-  v1::FieldContract::Quantity quantity;
-  v1::FieldContract::Location location;
-  std::uint32_t components;
-  v1::FieldContract::TimeLevel time_level;
-};
-
 [[nodiscard]] const v1::FieldContract* find_input(const v1::Hello& hello, std::string_view name);
 [[nodiscard]] const v1::FieldContract* find_output(const v1::Hello& hello, std::string_view name);
 
-/// Checks a participant's contract: it must give every field of `outputs`; every input it needs must be one
-/// of `inputs` (or optional). Quantity, location, components and time level must be the same. Errors:
-/// ErrorKind::config.
-[[nodiscard]] Result<void> check_contract(const launcher::Peer& peer,
-                                          const std::vector<ExpectedField>& outputs,
-                                          const std::vector<ExpectedField>& inputs);
+/// Checks a contract against what the coupler does with a "fluid", "structure" or "mesh_mover": it must give
+/// the outputs that the coupling needs; every input it needs must be one that the coupler has. Quantity,
+/// location, components and time level must be the same. The fluid's load is looked for in
+/// Participants::choose_load. Errors: ErrorKind::config.
+[[nodiscard]] Result<void> check_role(const std::string& role, const v1::Hello& hello);
 
 /// The shape that the contract promises.
 [[nodiscard]] Result<void> check_shape(const std::string& who, const v1::FieldContract& contract,

@@ -142,7 +142,6 @@ Result<void> Participants::start(const ParticipantSettings& p, const std::filesy
 }
 
 Result<void> Participants::check_contracts() {
-  using C = v1::FieldContract;
   for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
     const v1::Hello& h = peer->hello;
     spdlog::info("{} is {}", peer->name, h.software());
@@ -153,22 +152,7 @@ Result<void> Participants::check_contracts() {
       return config_error("loop.non_convergence is RETRY, but {} cannot {}", peer->name,
                           h.can_rollback() ? "change its step" : "roll back");
   }
-  DROGUE_TRY(check_contract(*structure_,
-                            {{"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP},
-                             {"velocity", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP}},
-                            {{"force", C::FORCE, C::INTERFACE_NODES, 3, C::END_OF_STEP},
-                             {"traction", C::TRACTION, C::INTERFACE_NODES, 3, C::END_OF_STEP},
-                             {"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP}}));
-  if (!find_input(structure_->hello, "force") && !find_input(structure_->hello, "traction"))
-    return config_error("structure takes neither \"force\" nor \"traction\": it cannot be loaded");
-  DROGUE_TRY(check_contract(*mesh_mover_,
-                            {{"mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3, C::END_OF_STEP}},
-                            {{"displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3, C::END_OF_STEP},
-                             {"translation", C::TRANSLATION, C::GLOBAL, 3, C::END_OF_STEP}}));
-  DROGUE_TRY(check_contract(*fluid_, {},
-                            {{"mesh_displacement", C::DISPLACEMENT, C::MESH_NODES, 3, C::END_OF_STEP},
-                             {"velocity", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP},
-                             {"velocity_start", C::VELOCITY, C::INTERFACE_NODES, 3, C::END_OF_STEP}}));
+  for (const Peer* peer : {structure_, mesh_mover_, fluid_}) DROGUE_TRY(check_role(peer->name, peer->hello));
   return choose_load();
 }
 

@@ -11,7 +11,8 @@
 // usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] [--refuse-step N]
 //                               [--second-rank yes]                           [--velocity V]
 //                               [--fixed-residual R] [--checkpoints no] [--rolls-back no] [--plane yes]
-//                               --connect ENDPOINT
+//                               [--fault KIND --at REQUEST] --connect ENDPOINT
+//                               (tests/support/faulty_solver.hpp)
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -23,6 +24,7 @@
 #include <unistd.h>
 
 #include "participant/cpp/participant.hpp"
+#include "tests/support/faulty_solver.hpp"
 
 namespace {
 
@@ -45,6 +47,7 @@ struct Options {
   bool checkpoints = true, rolls_back = true; ///< whether it can
   bool plane = false;
   std::vector<std::int64_t> pids; ///< this process and its second rank; empty without one
+  test::Fault fault;
 };
 
 /// The unit square as a grid of n x n squares, two triangles each; n differs between the two sides.
@@ -260,6 +263,8 @@ int main(int argc, char** argv) {
     if (name == "--velocity") options.velocity = std::atof(argv[i + 1]);
     if (name == "--fixed-residual") options.fixed_residual = std::atof(argv[i + 1]);
     if (name == "--refuse-steps-above") options.refuse_steps_above = std::atof(argv[i + 1]);
+    if (name == "--fault") options.fault.kind = argv[i + 1];
+    if (name == "--at") options.fault.at = argv[i + 1];
     if (name == "--second-rank") options.pids = {getpid(), second_rank()};
   }
   std::unique_ptr<Solver> solver;
@@ -267,7 +272,11 @@ int main(int argc, char** argv) {
   if (options.role == "fluid") solver = std::make_unique<Fluid>(options);
   if (options.role == "mesh_mover") solver = std::make_unique<Mover>(options);
   if (!solver) return 2;
+  const test::Fault fault = options.fault;
+  if (!fault.at.empty()) solver = std::make_unique<test::FaultySolver>(std::move(solver), fault);
   const auto outcome = serve(*solver, serve_options_from_environment(options.endpoint));
+  if (fault.at == "Shutdown") (void)fault.strike();
+  if (fault.at == "destructor") std::abort();
   if (!outcome) std::fprintf(stderr, "%s\n", outcome.error().message.c_str());
   return outcome ? 0 : exit_status(outcome.error());
 }
