@@ -305,7 +305,7 @@ void Hub::close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& 
   const auto end = after(deadline);
   for (const auto& peer : peers_) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - steady_clock::now());
-    (void)peer->process->wait(std::max(left, std::chrono::milliseconds(0)));
+    peer->overdue = !peer->process->wait(std::max(left, std::chrono::milliseconds(0)));
     peer->process->kill_session();
   }
 }
@@ -313,9 +313,10 @@ void Hub::close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& 
 Result<void> Hub::shut_down(Seconds deadline) {
   close_all(deadline, [](v1::Envelope& e) { e.mutable_shutdown(); });
   for (const auto& peer : peers_)
-    if (const auto& exit = peer->process->poll(); !exit || !exit->clean())
+    if (const auto& exit = peer->process->poll(); peer->overdue || !exit || !exit->clean())
       return lost(fmt::format("{} {} after Shutdown (deadline {:g} s); {}", peer->name,
-                              exit ? exit->text() : "did not end", deadline.count(), log_tail(*peer)));
+                              peer->overdue || !exit ? "did not end" : exit->text(), deadline.count(),
+                              log_tail(*peer)));
   return {};
 }
 

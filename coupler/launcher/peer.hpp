@@ -36,6 +36,7 @@ struct Peer {
   v1::Envelope where;           ///< step, iteration and attempt of the request
   std::optional<v1::Beat> beat; ///< the last one since the request
   std::optional<wire::Message> answer;
+  bool overdue = false;    ///< it did not end by itself when it was told to
   double busy_seconds = 0; ///< time spent working on requests, for the summary
   std::chrono::steady_clock::time_point asked_at{};
 
