@@ -32,7 +32,7 @@ TEST_F(T10Quick, RunsFromTheFlatPatternToCoupledSteps) {
   launcher::Process coupler = start_program(folder_, {"run", "case.textproto"});
   ASSERT_TRUE(eventually([&] { return has_checkpoint(folder_ / "killed", 1); }));
   std::mt19937 random(1);
-  ASSERT_TRUE(kill_a_child(coupler.pid(), random));
+  ASSERT_TRUE(kill_a_participant(coupler.pid(), folder_ / "killed", random));
   const auto exit = coupler.wait(std::chrono::minutes(5));
   ASSERT_TRUE(exit.has_value() && exit->clean()) << read_text(folder_ / "output.txt");
   EXPECT_NE(read_text(folder_ / "output.txt").find("restart 1 of at most 3"), std::string::npos);

@@ -40,20 +40,25 @@ inline std::vector<pid_t> children_of(pid_t parent) {
   return children;
 }
 
+/// Whether a process works in a folder or below.
+inline bool works_in(pid_t pid, const std::filesystem::path& folder) {
+  std::error_code failure;
+  const auto cwd = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/cwd", failure);
+  return !failure && cwd.string().rfind(folder.string(), 0) == 0;
+}
+
 /// Processes that still belong to the run in `folder`: their working directory lies in folder/run.
 inline int left_behind(const std::filesystem::path& folder) {
   int count = 0;
-  for (const pid_t pid : all_pids()) {
-    std::error_code failure;
-    const auto cwd = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/cwd", failure);
-    if (!failure && cwd.string().rfind((folder / "run").string(), 0) == 0) ++count;
-  }
+  for (const pid_t pid : all_pids()) count += works_in(pid, folder / "run") ? 1 : 0;
   return count;
 }
 
-/// SIGKILLs one child of `parent`, picked by `random`. False: it has none.
-inline bool kill_a_child(pid_t parent, std::mt19937& random) {
-  const auto victims = children_of(parent);
+/// SIGKILLs one participant of the coupler `parent`, whose run is in folder/run, picked by `random`. False:
+/// it has none. (Other children of the coupler are programs that check a config.)
+inline bool kill_a_participant(pid_t parent, const std::filesystem::path& folder, std::mt19937& random) {
+  auto victims = children_of(parent);
+  std::erase_if(victims, [&](pid_t pid) { return !works_in(pid, folder / "run"); });
   return !victims.empty() && kill(victims[random() % victims.size()], SIGKILL) == 0;
 }
 

@@ -56,7 +56,7 @@ Kills disturbed_run(const fs::path& folder, const std::string& file, int wanted,
   while (!coupler.wait(std::chrono::milliseconds(static_cast<int>(1000 * pause(random))))) {
     if (kills.solvers == wanted) continue;
     if (kills.solvers < 9 * (kills.couplers + 1)) {
-      kills.solvers += kill_a_child(coupler.pid(), random) ? 1 : 0;
+      kills.solvers += kill_a_participant(coupler.pid(), folder / "killed", random) ? 1 : 0;
       continue;
     }
     ++kills.couplers;
