@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <functional>
 
@@ -55,6 +56,11 @@ double seconds(const std::function<void()>& f) {
   const auto start = std::chrono::steady_clock::now();
   f();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Processor time of this process, all threads.
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 double resident_megabytes() {
@@ -159,7 +165,9 @@ Cost one_solve(const mesh::Mesh& mesh, const std::string& name) {
   if (!require(made.ok(), "no mover")) return {};
   MeshMover& mover = **made;
   double preparation = 0, solution = 0;
+  const double processor = processor_seconds();
   const auto report = step(mover, 0.01, 0.01 * diameter, preparation, solution);
+  const double processor_time = processor_seconds() - processor;
   if (!require(report.ok(), report ? "" : report.error().message)) return {};
   const Cost cost{static_cast<double>(mesh.node_count()), solution, resident_megabytes() - before};
   row(name + "/nodes", cost.nodes, "count");
@@ -167,6 +175,7 @@ Cost one_solve(const mesh::Mesh& mesh, const std::string& name) {
   row(name + "/setup", setup, "s");
   row(name + "/preparation_of_a_step", preparation, "s");
   row(name + "/solve_to_1e-6", solution, "s");
+  row(name + "/step_processor_time", processor_time, "s");
   row(name + "/iterations", report->iterations, "count");
   row(name + "/memory", cost.memory, "MB");
   return cost;
