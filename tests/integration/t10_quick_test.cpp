@@ -30,7 +30,7 @@ TEST_F(T10Quick, RunsFromTheFlatPatternToCoupledSteps) {
 
   change("case.textproto", "undisturbed/run", "killed/run");
   launcher::Process coupler = start_program(folder_, {"run", "case.textproto"});
-  ASSERT_TRUE(eventually([&] { return has_checkpoint(folder_ / "killed", 1); }));
+  ASSERT_TRUE(eventually([&] { return has_checkpoint(folder_ / "killed", 1); }, 300));
   std::mt19937 random(1);
   ASSERT_TRUE(kill_a_participant(coupler.pid(), folder_ / "killed", random));
   const auto exit = coupler.wait(std::chrono::minutes(5));
