@@ -131,12 +131,13 @@ Result<void> FieldProjection::apply(std::span<const double> structure, std::span
   }
   assert(fluid.size() == merged_.group.size() * c);
   const auto n = static_cast<std::size_t>(merged_.count);
+  // Relative to the first node: rounding is that of the differences, and none is left of constants.
   const int* first = B_.outerIndexPtr();
   for (std::size_t a = 0; a < n; ++a) {
     double sum[3] = {0, 0, 0};
     for (int j = first[a]; j < first[a + 1]; ++j) {
       const double* d = structure.data() + static_cast<std::size_t>(B_.innerIndexPtr()[j]) * c;
-      for (std::size_t k = 0; k < c; ++k) sum[k] += B_.valuePtr()[j] * d[k];
+      for (std::size_t k = 0; k < c; ++k) sum[k] += B_.valuePtr()[j] * (d[k] - structure[k]);
     }
     for (std::size_t k = 0; k < c; ++k) work_[k * n + a] = sum[k];
   }
@@ -144,7 +145,7 @@ Result<void> FieldProjection::apply(std::span<const double> structure, std::span
   DROGUE_TRY(M_.solve(columns, columns, components));
   for (std::size_t i = 0; i < merged_.group.size(); ++i)
     for (std::size_t k = 0; k < c; ++k)
-      fluid[i * c + k] = work_[k * n + static_cast<std::size_t>(merged_.group[i])];
+      fluid[i * c + k] = structure[k] + work_[k * n + static_cast<std::size_t>(merged_.group[i])];
   return {};
 }
 

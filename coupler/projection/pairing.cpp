@@ -132,6 +132,14 @@ bool Pairing::tile_element(TriangleTiling& tiling, std::int32_t e, std::int32_t&
     see_gap(overlap.gap, at);
     see_normals(frame.normal(), (X[1] - X[0]).cross(X[2] - X[0]), at);
   }
+  // The parts miss the whole by rounding, up to the tiling's tolerance: constants and sums of forces are to miss less.
+  for (std::size_t b = 0; b < 3; ++b) {
+    double* C = made_.block_values_.data() + element.first_value;
+    const std::size_t values = made_.block_values_.size() - static_cast<std::size_t>(element.first_value);
+    double sum = 0;
+    for (std::size_t i = b; i < values; i += 3) sum += C[i];
+    for (std::size_t i = b; i < values; i += 3) C[i] *= 1.0 / (6 * sum);
+  }
   end_block(e);
   area_ += 0.5 * da;
   return true;
