@@ -11,8 +11,8 @@
 
 /// The lid-driven square cavity of Ghia, Ghia and Shin, J. Comput. Phys. 48 (1982) 387-411: velocities on the
 /// two centre lines. The largest difference from their tables, u within 1 % of the lid's speed, v within 3 %
-/// of its largest value (converged solutions differ from the v table by 2 to 3 % at Re 1000). v at x =
-/// 0.9063, Re 400, is a misprint there and left out.
+/// of its largest value, on 128 edges; 64 shows the trend. v at x = 0.9063, Re 400, is a misprint there and
+/// left out.
 namespace drogue::fluid::test {
 namespace {
 
@@ -78,7 +78,7 @@ void verify_cavity(int edges, std::size_t reynolds, double u_tolerance, double v
 #ifdef DROGUE_FINE
 TEST(Cavity, Re100) {
   verify_cavity(64, 0, 0.01, 0.03);
-  verify_cavity(128, 0, 0.01, 0.04);
+  verify_cavity(128, 0, 0.01, 0.03);
 }
 TEST(Cavity, Re400) {
   verify_cavity(64, 1, 0.02, 0.03);
