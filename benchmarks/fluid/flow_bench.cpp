@@ -86,11 +86,9 @@ Steps run_steps(const Settings& settings, const FluidMesh& mesh, Formulation for
 
 /// On every rank; rank 0 prints.
 void step_rows(const FluidMesh& mesh, const std::string& name, Formulation formulation, bool tight) {
-  const double before = resident_bytes();
   const Settings settings = t10_flow();
   const Steps steps = run_steps(settings, mesh, formulation, 4);
   const double memory = la::sum_over_ranks(resident_bytes());
-  (void)before;
   double error = 0;
   if (tight) {
     Settings exact = settings;
