@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// An iteration of IQN-ILS with 36 columns kept, on 20,000 nodes with their velocities as passengers. preCICE 3.4.1 takes
-// 51 to 110 ms for it on such a surface.
+// An iteration of IQN-ILS with 36 columns kept, on 20,000 nodes with their velocities as passengers.
+// preCICE 3.4.1 takes 51 to 110 ms for it on such a surface.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

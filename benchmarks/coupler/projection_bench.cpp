@@ -37,7 +37,8 @@ void restart_peak_memory() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-/// `recover_traction`: for a structure that takes tractions; one that takes forces, like ours, needs one mass matrix less.
+/// `recover_traction`: for a structure that takes tractions; one that takes forces, like ours, needs one mass
+/// matrix less.
 void set_up(benchmark::State& state, const Size& size, bool recover_traction) {
   const Surface structure = test::octahedron_hemisphere(size.structure_splits);
   const Surface fluid = test::lat_long_hemisphere(size.fluid_rings);

@@ -139,8 +139,8 @@ Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
   return s.factor->minor == s.factor->n;
 }
 
-/// L L^T x = b for up to four right-hand sides at once, side by side in memory, by the columns of L: half the time of
-/// CHOLMOD's supernodes, whose dense kernels have too little to do with three columns.
+/// L L^T x = b for up to four right-hand sides at once, side by side in memory, by the columns of L: half the
+/// time of CHOLMOD's supernodes, whose dense kernels have too little to do with three columns.
 void CholeskySolver::State::solve_by_columns(const double* b, double* x, int columns) {
   const auto size = static_cast<std::size_t>(n);
   const int *first = static_cast<int*>(factor->p), *count = static_cast<int*>(factor->nz),

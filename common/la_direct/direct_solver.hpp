@@ -18,12 +18,14 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 /// another, spinning.
 void use_one_blas_thread();
 
-/// CHOLMOD's L L^T of a symmetric positive definite matrix. The symbolic analysis is done once for a pattern and reused.
+/// CHOLMOD's L L^T of a symmetric positive definite matrix. The symbolic analysis is done once for a pattern
+/// and reused.
 class CholeskySolver {
  public:
   enum class Use {
     many_factors,   ///< supernodal, METIS ordering: the quickest factorisation
-    many_solutions, ///< AMD ordering, L by columns without zeros: quick to analyse, three or four columns at a time
+    many_solutions, ///< AMD ordering, L by columns without zeros: quick to analyse, three or four columns at
+                    ///< a time
   };
   explicit CholeskySolver(Use use = Use::many_factors);
   ~CholeskySolver();

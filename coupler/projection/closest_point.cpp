@@ -94,8 +94,8 @@ ClosestPoint on_line(ElementKind kind, const NodeMatrix& X, const Eigen::Vector3
 } // namespace
 
 /// Closed form: foot on the plane, else the nearest of the three edges.
-ClosestPoint closest_point_of_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                                       const Eigen::Vector3d& p) noexcept {
+ClosestPoint closest_point_of_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                       const Eigen::Vector3d& c, const Eigen::Vector3d& p) noexcept {
   const Eigen::Vector3d g = b - a, h = c - a, r = p - a;
   const double gg = g.dot(g), gh = g.dot(h), hh = h.dot(h), rg = r.dot(g), rh = r.dot(h);
   const double det = gg * hh - gh * gh;

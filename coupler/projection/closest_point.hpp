@@ -19,6 +19,7 @@ struct ClosestPoint {
 
 /// The same on a linear triangle with its corners at a, b and c.
 [[nodiscard]] ClosestPoint closest_point_of_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                                     const Eigen::Vector3d& c, const Eigen::Vector3d& p) noexcept;
+                                                     const Eigen::Vector3d& c,
+                                                     const Eigen::Vector3d& p) noexcept;
 
 } // namespace drogue::projection

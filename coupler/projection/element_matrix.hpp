@@ -31,7 +31,8 @@ template <class NodesOf>
   a.element.resize(static_cast<std::size_t>(a.first.back()));
   std::vector<std::int32_t> next(a.first.begin(), a.first.end() - 1);
   for (std::int32_t e = 0; e < elements; ++e)
-    for (const std::int32_t i : nodes_of(e)) a.element[static_cast<std::size_t>(next[static_cast<std::size_t>(i)]++)] = e;
+    for (const std::int32_t i : nodes_of(e))
+      a.element[static_cast<std::size_t>(next[static_cast<std::size_t>(i)]++)] = e;
   return a;
 }
 
@@ -43,8 +44,9 @@ struct ElementPart {
   double factor = 1;
 };
 
-/// Sum of element matrices, row by row, with sorted columns: no list of triplets. With `lower`, entries right of the
-/// diagonal are left out; the arrays are then those of the upper triangle in compressed columns as well.
+/// Sum of element matrices, row by row, with sorted columns: no list of triplets. With `lower`, entries right
+/// of the diagonal are left out; the arrays are then those of the upper triangle in compressed columns as
+/// well.
 /// @param part_of element -> ElementPart; @param around elements of each row
 template <class PartOf>
 [[nodiscard]] Eigen::SparseMatrix<double, Eigen::RowMajor, int>
@@ -91,7 +93,8 @@ sum_elements(std::int32_t rows, std::int32_t columns, const Adjacency& around, c
         for (std::size_t b = 0; b < part.columns.size(); ++b) {
           const std::int32_t c = part.columns[b];
           if (lower && c > r) continue;
-          value[place[static_cast<std::size_t>(c)]] += part.factor * part.values[a * part.row_step + b * part.column_step];
+          value[place[static_cast<std::size_t>(c)]] +=
+              part.factor * part.values[a * part.row_step + b * part.column_step];
         }
       }
     }
@@ -101,9 +104,10 @@ sum_elements(std::int32_t rows, std::int32_t columns, const Adjacency& around, c
 }
 
 /// The lower triangle by rows, as the upper one by columns.
-[[nodiscard]] inline la::SparseMatrix upper_triangle(const Eigen::SparseMatrix<double, Eigen::RowMajor, int>& lower) {
-  return Eigen::Map<const la::SparseMatrix>(lower.rows(), lower.cols(), lower.nonZeros(), lower.outerIndexPtr(),
-                                            lower.innerIndexPtr(), lower.valuePtr());
+[[nodiscard]] inline la::SparseMatrix
+upper_triangle(const Eigen::SparseMatrix<double, Eigen::RowMajor, int>& lower) {
+  return Eigen::Map<const la::SparseMatrix>(lower.rows(), lower.cols(), lower.nonZeros(),
+                                            lower.outerIndexPtr(), lower.innerIndexPtr(), lower.valuePtr());
 }
 
 } // namespace drogue::projection

@@ -76,19 +76,22 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
   if (made.matching()) return made;
 
   made.merged_ = merge_coincident(fluid.material, same_place * extent(structure.material));
-  // 1. The unknowns of each element, and its mass matrix by the same points as its products with the structure.
+  // 1. The unknowns of each element, and its mass matrix by the same points as its products with the
+  // structure.
   const auto& elements = quadrature.elements();
   std::vector<std::int32_t> unknowns;
   std::vector<std::size_t> first{0}, first_mass;
   std::vector<double> curved_mass, scale;
   for (const auto& element : elements) {
-    for (const std::int32_t i : element.nodes) unknowns.push_back(made.merged_.group[static_cast<std::size_t>(i)]);
+    for (const std::int32_t i : element.nodes)
+      unknowns.push_back(made.merged_.group[static_cast<std::size_t>(i)]);
     first.push_back(unknowns.size());
     first_mass.push_back(curved_mass.size());
     const bool flat = element.rule < 0;
     if (!flat) add_curved_mass(quadrature, element, fluid, curved_mass);
     scale.push_back(
-        flat ? area_vector(element_shape(element.kind, 0, 0), gather(element.nodes, fluid.reference)).norm() : 1);
+        flat ? area_vector(element_shape(element.kind, 0, 0), gather(element.nodes, fluid.reference)).norm()
+             : 1);
   }
   const auto rows = [&](std::int32_t e) {
     const auto i = static_cast<std::size_t>(e);
@@ -97,12 +100,20 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
   const auto mass = [&](std::int32_t e) {
     const auto i = static_cast<std::size_t>(e);
     const bool flat = elements[i].rule < 0;
-    return ElementPart{rows(e), rows(e), flat ? flat_mass(elements[i].kind).data() : curved_mass.data() + first_mass[i],
-                       flat ? 3 : elements[i].nodes.size(), 1, scale[i]};
+    return ElementPart{rows(e),
+                       rows(e),
+                       flat ? flat_mass(elements[i].kind).data() : curved_mass.data() + first_mass[i],
+                       flat ? 3 : elements[i].nodes.size(),
+                       1,
+                       scale[i]};
   };
   const auto cross = [&](std::int32_t e) {
     const auto& element = elements[static_cast<std::size_t>(e)];
-    return ElementPart{rows(e), quadrature.block_nodes(element), quadrature.block(element), 1, element.nodes.size(),
+    return ElementPart{rows(e),
+                       quadrature.block_nodes(element),
+                       quadrature.block(element),
+                       1,
+                       element.nodes.size(),
                        scale[static_cast<std::size_t>(e)]};
   };
   // 2. The sums.

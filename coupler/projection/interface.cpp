@@ -44,7 +44,8 @@ double projection_defect(const Interface& interface, std::span<const double> str
   };
   double missed = 0, whole = 0;
   for (const InterfaceQuadrature::Sample& s : quadrature.samples()) {
-    const Eigen::Vector3d d_s = value(quadrature.structure_elements(), s.structure_element, s.on_structure, structure),
+    const Eigen::Vector3d d_s = value(quadrature.structure_elements(), s.structure_element, s.on_structure,
+                                      structure),
                           d_f = value(quadrature.fluid_elements(), s.fluid_element, s.on_fluid, fluid);
     missed += s.weight * (d_f - d_s).squaredNorm();
     whole += s.weight * d_s.squaredNorm();

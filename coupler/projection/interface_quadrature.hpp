@@ -19,7 +19,8 @@ struct Settings {
   double largest_unmatched_area = 0;
   /// Largest angle between the two surfaces in any point, in material coordinates [degrees]; 90: any.
   double largest_normal_angle = 90;
-  /// Whether tractions are to be recovered from the forces: LoadTransfer then factors a mass matrix of the structure.
+  /// Whether tractions are to be recovered from the forces: LoadTransfer then factors a mass matrix of the
+  /// structure.
   bool recover_traction = true;
 };
 
@@ -38,13 +39,15 @@ struct MatchReport {
   bool matching = false; ///< the same elements on the same nodes: fields are copied
 };
 
-/// Integrals over each fluid element of the products of its shape functions N_b with those of the structure, N_a, taken at
-/// the closest point pi in material coordinates. Both directions of the projection are made of them.
+/// Integrals over each fluid element of the products of its shape functions N_b with those of the structure,
+/// N_a, taken at the closest point pi in material coordinates. Both directions of the projection are made of
+/// them.
 ///
 /// Where both surfaces are linear triangles they are exact, on the common refinement of the two
-/// (TriangleTiling; pi is then the projection along the fluid triangle's normal). Everywhere else, and where triangles of
-/// the structure do not cover the fluid's (free edges, folds), they are sums over quadrature points: on lines the rule of the
-/// common refinement, on faces composite rules, refined where an element of the structure would get too few points.
+/// (TriangleTiling; pi is then the projection along the fluid triangle's normal). Everywhere else, and where
+/// triangles of the structure do not cover the fluid's (free edges, folds), they are sums over quadrature
+/// points: on lines the rule of the common refinement, on faces composite rules, refined where an element of
+/// the structure would get too few points.
 class InterfaceQuadrature {
  public:
   struct Rule {
@@ -84,7 +87,8 @@ class InterfaceQuadrature {
   [[nodiscard]] std::span<const std::int32_t> block_nodes(const Element& e) const {
     return {block_nodes_.data() + e.first_node, static_cast<std::size_t>(e.node_count)};
   }
-  /// int N_a(pi) N_b: on flat elements dxi deta over the parent domain, on curved ones dA over the reference area.
+  /// int N_a(pi) N_b: on flat elements dxi deta over the parent domain, on curved ones dA over the reference
+  /// area.
   [[nodiscard]] const double* block(const Element& e) const { return block_values_.data() + e.first_value; }
 
   /// On curved elements: rule, and structure nodes around a point with their shape functions there.
@@ -105,8 +109,8 @@ class InterfaceQuadrature {
   [[nodiscard]] bool wet(std::int32_t structure_element) const {
     return wet_[static_cast<std::size_t>(structure_element)] != 0;
   }
-  /// Points to compare the two surfaces' fields in: all of a quadrature of the fluid, on large surfaces that of every
-  /// k-th element.
+  /// Points to compare the two surfaces' fields in: all of a quadrature of the fluid, on large surfaces that
+  /// of every k-th element.
   [[nodiscard]] const std::vector<Sample>& samples() const { return samples_; }
   [[nodiscard]] const Elements& fluid_elements() const { return *fluid_elements_; }
   [[nodiscard]] const MatchReport& report() const { return report_; }

@@ -63,7 +63,8 @@ Result<void> LoadTransfer::factor_recovery(const Surface& structure, const Surfa
   const auto part_of = [&](std::int32_t e) {
     const std::int64_t first = own_first[static_cast<std::size_t>(e)];
     const auto nodes = elements.nodes(e);
-    return ElementPart{nodes, nodes, first < 0 ? quadrature_.wet_mass(e) : own.data() + first, nodes.size(), 1, 1};
+    return ElementPart{nodes,        nodes, first < 0 ? quadrature_.wet_mass(e) : own.data() + first,
+                       nodes.size(), 1,     1};
   };
   auto factored = M_.factor(
       upper_triangle(sum_elements(n, n, elements_around(n, elements.count(), nodes_of), part_of, true)));
@@ -90,10 +91,10 @@ void LoadTransfer::add_flat(const InterfaceQuadrature::Element& element, const M
   }
 }
 
-/// The sums of a load with the values G in the nodes of a flat element: its mass matrix is k (1 + delta_bc), with
-/// k = 1/24 on triangles and 1/3 on lines, where the third column is zero.
-void LoadTransfer::add_flat_sums(const InterfaceQuadrature::Element& element, const Matrix3d& G, const Matrix3d& X,
-                                 const FluidSide& fluid, LoadSums& sums) noexcept {
+/// The sums of a load with the values G in the nodes of a flat element: its mass matrix is k (1 + delta_bc),
+/// with k = 1/24 on triangles and 1/3 on lines, where the third column is zero.
+void LoadTransfer::add_flat_sums(const InterfaceQuadrature::Element& element, const Matrix3d& G,
+                                 const Matrix3d& X, const FluidSide& fluid, LoadSums& sums) noexcept {
   const std::size_t m = element.nodes.size();
   const double k = m == 3 ? 1.0 / 24 : 1.0 / 3;
   const Vector3d whole = G.col(0) + G.col(1) + G.col(2);
@@ -105,7 +106,8 @@ void LoadTransfer::add_flat_sums(const InterfaceQuadrature::Element& element, co
   sums.power += k * ((V.col(0) + V.col(1) + V.col(2)).dot(whole) + V.cwiseProduct(G).sum());
 }
 
-void LoadTransfer::add_at_point(std::int64_t point, const Vector3d& f, std::span<double> forces) const noexcept {
+void LoadTransfer::add_at_point(std::int64_t point, const Vector3d& f,
+                                std::span<double> forces) const noexcept {
   const auto nodes = quadrature_.structure_nodes(point);
   const auto N = quadrature_.structure_N(point);
   for (std::size_t a = 0; a < nodes.size(); ++a) {

@@ -34,9 +34,9 @@ struct FluidSide {
 /// pushes the wall away from the fluid. (The fluid's own stress vector on that outward normal is -p n; the
 /// wall gets its reaction.)
 ///
-/// On flat fluid elements f_a = sum_b C_ab A t_b with A the element's current area and C_ab = int N_a(pi) N_b, which no
-/// motion changes: 18 flops for each structure node that an element meets. Curved elements are summed point by point. No
-/// heap; sums in a fixed order.
+/// On flat fluid elements f_a = sum_b C_ab A t_b with A the element's current area and C_ab = int N_a(pi)
+/// N_b, which no motion changes: 18 flops for each structure node that an element meets. Curved elements are
+/// summed point by point. No heap; sums in a fixed order.
 class LoadTransfer {
  public:
   /// Errors (ErrorKind::internal): CHOLMOD; (ErrorKind::config): recovery matrix singular.

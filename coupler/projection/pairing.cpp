@@ -36,15 +36,21 @@ Vector3d position(ElementKind kind, const NodeMatrix& X, const std::array<double
 } // namespace
 
 Pairing::Pairing(const Surface& structure, const Surface& fluid, const Settings& settings)
-    : structure_(structure), fluid_(fluid), settings_(settings), made_([&] {
+    : structure_(structure),
+      fluid_(fluid),
+      settings_(settings),
+      made_([&] {
         InterfaceQuadrature q;
         q.structure_elements_ = std::make_shared<Elements>(structure);
         q.fluid_elements_ = std::make_shared<Elements>(fluid);
         return q;
       }()),
-      on_structure_(*made_.structure_elements_), on_fluid_(*made_.fluid_elements_),
-      tree_(on_structure_, structure.material), size_(extent(structure.material)),
-      points_on_(static_cast<std::size_t>(on_structure_.count()), 0), area_on_(points_on_.size(), 0.0),
+      on_structure_(*made_.structure_elements_),
+      on_fluid_(*made_.fluid_elements_),
+      tree_(on_structure_, structure.material),
+      size_(extent(structure.material)),
+      points_on_(static_cast<std::size_t>(on_structure_.count()), 0),
+      area_on_(points_on_.size(), 0.0),
       slot_(structure.node_count(), -1) {
   made_.first_mass_.reserve(points_on_.size());
   std::int64_t values = 0;
@@ -111,7 +117,8 @@ bool Pairing::tile_element(TriangleTiling& tiling, std::int32_t e, std::int32_t&
   const TriangleFrame frame({material.col(0), material.col(1), material.col(2)});
   seed = tree_.closest(position(ElementKind::tri3, material, parent_centre(ElementKind::tri3)), seed).element;
   if (!tiling.cover(frame, seed, settings_.largest_gap * size_)) return false;
-  const double da = area_vector(element_shape(ElementKind::tri3, 0, 0), gather(element.nodes, fluid_.reference)).norm();
+  const double da =
+      area_vector(element_shape(ElementKind::tri3, 0, 0), gather(element.nodes, fluid_.reference)).norm();
   start_block(e);
   for (const auto& [on, overlap] : tiling.tiles()) {
     const auto nodes = on_structure_.nodes(on);
@@ -132,7 +139,8 @@ bool Pairing::tile_element(TriangleTiling& tiling, std::int32_t e, std::int32_t&
     see_gap(overlap.gap, at);
     see_normals(frame.normal(), (X[1] - X[0]).cross(X[2] - X[0]), at);
   }
-  // The parts miss the whole by rounding, up to the tiling's tolerance: constants and sums of forces are to miss less.
+  // The parts miss the whole by rounding, up to the tiling's tolerance: constants and sums of forces are to
+  // miss less.
   for (std::size_t b = 0; b < 3; ++b) {
     double* C = made_.block_values_.data() + element.first_value;
     const std::size_t values = made_.block_values_.size() - static_cast<std::size_t>(element.first_value);
@@ -150,14 +158,16 @@ void Pairing::choose_rule(Sampled& s, std::int32_t& hint) {
   const NodeMatrix X = gather(on_fluid_.nodes(s.element), fluid_.material);
   if (mesh::dimension(kind) == 1) {
     const auto breaks = refine_line(kind, X, tree_);
-    s.rule = add_rule(kind, static_cast<int>(breaks.size()) - 1, line_quadrature(breaks, settings_.quadrature_order));
+    s.rule = add_rule(kind, static_cast<int>(breaks.size()) - 1,
+                      line_quadrature(breaks, settings_.quadrature_order));
     return;
   }
   // The centre: both sides of a canopy are to get the same rule.
   hint = tree_.closest(position(kind, X, parent_centre(kind)), hint).element;
   const double spacing =
       node_spacing(on_structure_.kind(hint), gather(on_structure_.nodes(hint), structure_.material));
-  const int wanted = static_cast<int>(std::min(std::round(longest_edge(kind, X) / spacing), 1.0 * max_subdivisions));
+  const int wanted =
+      static_cast<int>(std::min(std::round(longest_edge(kind, X) / spacing), 1.0 * max_subdivisions));
   s.rule = find_rule(kind, std::max(wanted, 1));
 }
 
@@ -200,10 +210,12 @@ bool Pairing::refine_starved() {
   for (Sampled& s : sampled_) {
     const auto near = [&](const Meeting& m) {
       const auto nodes = on_structure_.nodes(m.element);
-      return std::any_of(nodes.begin(), nodes.end(), [&](std::int32_t i) { return starved[static_cast<std::size_t>(i)] != 0; });
+      return std::any_of(nodes.begin(), nodes.end(),
+                         [&](std::int32_t i) { return starved[static_cast<std::size_t>(i)] != 0; });
     };
     const auto met = meetings_of(s);
-    if (mesh::dimension(on_fluid_.kind(s.element)) == 1 || std::none_of(met.begin(), met.end(), near)) continue;
+    if (mesh::dimension(on_fluid_.kind(s.element)) == 1 || std::none_of(met.begin(), met.end(), near))
+      continue;
     s.refine = 2;
     s.stale = refined = true;
   }
@@ -233,7 +245,8 @@ void Pairing::sum_points(const Sampled& s) {
       double* C = row(nodes[a], element.nodes.size());
       for (std::size_t b = 0; b < element.nodes.size(); ++b)
         C[b] += (flat ? rule.weights[q] : da) * source.N[a] * shape.N[b];
-      for (std::size_t b = 0; b < nodes.size(); ++b) mass[a * nodes.size() + b] += element.share * da * source.N[a] * source.N[b];
+      for (std::size_t b = 0; b < nodes.size(); ++b)
+        mass[a * nodes.size() + b] += element.share * da * source.N[a] * source.N[b];
     }
     if (!flat) {
       made_.point_nodes_.insert(made_.point_nodes_.end(), nodes.begin(), nodes.end());
@@ -288,13 +301,17 @@ void Pairing::sample_for_defects() {
       const ElementShape shape = element_shape(kind, q.xi, q.eta);
       const Located found = tree_.closest(combine(shape.N, shape.nodes, material), hint);
       hint = found.element;
-      made_.samples_.push_back({e, hint, {q.xi, q.eta}, {found.point.xi, found.point.eta},
+      made_.samples_.push_back({e,
+                                hint,
+                                {q.xi, q.eta},
+                                {found.point.xi, found.point.eta},
                                 q.weight * area_vector(shape, reference).norm()});
     }
   }
 }
 
-std::int32_t Pairing::add_rule(ElementKind kind, int subdivisions, std::span<const fem::SurfacePoint> points) {
+std::int32_t Pairing::add_rule(ElementKind kind, int subdivisions,
+                               std::span<const fem::SurfacePoint> points) {
   InterfaceQuadrature::Rule rule;
   rule.kind = kind;
   rule.subdivisions = subdivisions;
@@ -308,7 +325,8 @@ std::int32_t Pairing::add_rule(ElementKind kind, int subdivisions, std::span<con
 
 std::int32_t Pairing::find_rule(ElementKind kind, int subdivisions) {
   for (std::size_t i = 0; i < made_.rules_.size(); ++i)
-    if (made_.rules_[i].kind == kind && made_.rules_[i].subdivisions == subdivisions) return static_cast<std::int32_t>(i);
+    if (made_.rules_[i].kind == kind && made_.rules_[i].subdivisions == subdivisions)
+      return static_cast<std::int32_t>(i);
   return add_rule(kind, subdivisions, composite_quadrature(kind, settings_.quadrature_order, subdivisions));
 }
 
@@ -330,7 +348,8 @@ double* Pairing::row(std::int32_t node, std::size_t fluid_nodes) {
 
 void Pairing::end_block(std::int32_t e) {
   InterfaceQuadrature::Element& element = made_.elements_[static_cast<std::size_t>(e)];
-  element.node_count = static_cast<std::int32_t>(static_cast<std::int64_t>(made_.block_nodes_.size()) - element.first_node);
+  element.node_count =
+      static_cast<std::int32_t>(static_cast<std::int64_t>(made_.block_nodes_.size()) - element.first_node);
   for (const std::int32_t node : made_.block_nodes(element)) slot_[static_cast<std::size_t>(node)] = -1;
 }
 

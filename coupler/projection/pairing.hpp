@@ -39,7 +39,8 @@ class Pairing {
   [[nodiscard]] bool tile_element(TriangleTiling& tiling, std::int32_t e, std::int32_t& seed);
   void choose_rule(Sampled& s, std::int32_t& hint);
   void locate(Sampled& s, std::int32_t& hint);
-  /// True when elements of the structure have fewer points than nodes; their neighbourhood is then marked stale.
+  /// True when elements of the structure have fewer points than nodes; their neighbourhood is then marked
+  /// stale.
   [[nodiscard]] bool refine_starved();
   void sum_points(const Sampled& s);
   void finish();
@@ -66,7 +67,8 @@ class Pairing {
   std::vector<Meeting> meetings_;
   std::vector<std::int32_t> points_on_; ///< {structure elements}
   std::vector<double> area_on_;
-  std::vector<std::int64_t> slot_; ///< {structure nodes}: start of its row in the block under construction, or -1
+  std::vector<std::int64_t>
+      slot_; ///< {structure nodes}: start of its row in the block under construction, or -1
 };
 
 } // namespace drogue::projection

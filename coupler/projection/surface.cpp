@@ -40,7 +40,8 @@ class CellTable {
   };
   [[nodiscard]] std::size_t find(const Cell& c) const {
     std::uint64_t h = 1469598103934665603ULL;
-    for (const std::int64_t i : c) h = (h ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL, h ^= h >> 29;
+    for (const std::int64_t i : c)
+      h = (h ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL, h ^= h >> 29;
     std::size_t at = h & (slots_.size() - 1);
     while (slots_[at].node >= 0 && slots_[at].cell != c) at = (at + 1) & (slots_.size() - 1);
     return at;
@@ -153,7 +154,8 @@ double extent(std::span<const double> coordinates) noexcept {
 }
 
 Merged merge_coincident(std::span<const double> x, double tolerance) {
-  // Cells much wider than the tolerance: hardly a node lies so near to a cell's border that it must look beyond.
+  // Cells much wider than the tolerance: hardly a node lies so near to a cell's border that it must look
+  // beyond.
   const double width = 4096 * tolerance;
   CellTable cells(x.size() / 3);
   Merged merged;

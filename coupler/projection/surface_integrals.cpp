@@ -43,7 +43,9 @@ SurfaceIntegrals::SurfaceIntegrals(const Surface& surface)
     const auto nodes = elements.nodes(e);
     const ElementMass mass = element_mass(elements.kind(e), gather(nodes, surface.reference));
     area_ += mass.area;
-    const double trace = mass.M.topLeftCorner(static_cast<Eigen::Index>(nodes.size()), static_cast<Eigen::Index>(nodes.size())).trace();
+    const double trace =
+        mass.M.topLeftCorner(static_cast<Eigen::Index>(nodes.size()), static_cast<Eigen::Index>(nodes.size()))
+            .trace();
     first.push_back(values.size());
     for (std::size_t a = 0; a < nodes.size(); ++a) {
       const auto i = static_cast<std::size_t>(nodes[a]);

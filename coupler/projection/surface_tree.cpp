@@ -74,7 +74,8 @@ double SurfaceTree::box_distance2(const Node& node, const Eigen::Vector3d& p) no
 
 ClosestPoint SurfaceTree::on_element(std::int32_t e, const Eigen::Vector3d& p) const noexcept {
   const auto nodes = elements_->nodes(e);
-  if (elements_->kind(e) != mesh::ElementKind::tri3) return closest_point(elements_->kind(e), gather(nodes, coordinates_), p);
+  if (elements_->kind(e) != mesh::ElementKind::tri3)
+    return closest_point(elements_->kind(e), gather(nodes, coordinates_), p);
   const auto corner = [&](std::size_t a) {
     return Eigen::Map<const Eigen::Vector3d>(coordinates_.data() + 3 * static_cast<std::size_t>(nodes[a]));
   };

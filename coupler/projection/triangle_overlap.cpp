@@ -7,7 +7,8 @@
 namespace drogue::projection {
 namespace {
 
-/// A corner of the polygon in the parent coordinates of the first triangle, and its height above that one's plane.
+/// A corner of the polygon in the parent coordinates of the first triangle, and its height above that one's
+/// plane.
 struct Corner {
   double xi = 0, eta = 0, height = 0;
 };
@@ -33,7 +34,8 @@ Polygon clip(const Polygon& p, const Distance& distance) {
   return kept;
 }
 
-/// int (1, xi, eta) (1, xi, eta)^T over the polygon, fan by fan; positive when it goes round counterclockwise.
+/// int (1, xi, eta) (1, xi, eta)^T over the polygon, fan by fan; positive when it goes round
+/// counterclockwise.
 Eigen::Matrix3d moments(const Polygon& p) {
   Eigen::Matrix3d Q = Eigen::Matrix3d::Zero();
   const Corner& o = p.corner[0];
@@ -54,7 +56,8 @@ Eigen::Matrix3d moments(const Polygon& p) {
   return Q;
 }
 
-/// Row a: coefficients of N_a of the triangle s in (1, xi, eta); they add up to (1, 0, 0). `det`: twice its area.
+/// Row a: coefficients of N_a of the triangle s in (1, xi, eta); they add up to (1, 0, 0). `det`: twice its
+/// area.
 Eigen::Matrix3d shape_coefficients(const std::array<Corner, 3>& s, double det) {
   Eigen::Matrix3d N;
   const double g1 = (s[2].eta - s[0].eta) / det, h1 = -(s[2].xi - s[0].xi) / det;

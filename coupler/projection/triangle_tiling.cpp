@@ -15,7 +15,8 @@ constexpr double area_tolerance = 1e-12;
 std::vector<std::array<std::int32_t, 3>> find_neighbours(const Elements& elements, std::size_t nodes) {
   const auto nodes_of = [&](std::int32_t e) { return elements.nodes(e); };
   const Adjacency around = elements_around(static_cast<std::int32_t>(nodes), elements.count(), nodes_of);
-  std::vector<std::array<std::int32_t, 3>> neighbours(static_cast<std::size_t>(elements.count()), {-1, -1, -1});
+  std::vector<std::array<std::int32_t, 3>> neighbours(static_cast<std::size_t>(elements.count()),
+                                                      {-1, -1, -1});
   for (std::int32_t e = 0; e < elements.count(); ++e) {
     const auto n = elements.nodes(e);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -36,8 +37,11 @@ std::vector<std::array<std::int32_t, 3>> find_neighbours(const Elements& element
 
 } // namespace
 
-TriangleTiling::TriangleTiling(const Elements& elements, std::span<const double> coordinates, std::size_t nodes)
-    : elements_(elements), coordinates_(coordinates), neighbours_(find_neighbours(elements, nodes)),
+TriangleTiling::TriangleTiling(const Elements& elements, std::span<const double> coordinates,
+                               std::size_t nodes)
+    : elements_(elements),
+      coordinates_(coordinates),
+      neighbours_(find_neighbours(elements, nodes)),
       seen_(neighbours_.size(), 0) {}
 
 Triangle TriangleTiling::corners(std::int32_t element) const {

@@ -17,9 +17,9 @@ class TriangleTiling {
   /// @pre all elements are tri3; both arguments must outlive this
   TriangleTiling(const Elements& elements, std::span<const double> coordinates, std::size_t nodes);
 
-  /// Finds the elements that cover the triangle of the frame, from `seed` on across their edges: so that only the sheet
-  /// that the seed belongs to takes part. False when they do not cover it as a whole (a free edge), or not as a graph
-  /// over its plane (a fold), or further from it than `largest_gap`.
+  /// Finds the elements that cover the triangle of the frame, from `seed` on across their edges: so that only
+  /// the sheet that the seed belongs to takes part. False when they do not cover it as a whole (a free edge),
+  /// or not as a graph over its plane (a fold), or further from it than `largest_gap`.
   [[nodiscard]] bool cover(const TriangleFrame& frame, std::int32_t seed, double largest_gap);
   /// What the last cover() found.
   [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
