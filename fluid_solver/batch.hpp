@@ -8,7 +8,8 @@
 #include "fluid_solver/kernel_isa.hpp"
 
 /// Numbers of the element kernels: double, or eight elements at a time.
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 
 /// Eight doubles, one a lane: eight elements assembled at once. Compilers split it where registers are
 /// shorter.
@@ -44,4 +45,5 @@ template <class Real>
   return a > b ? a : b;
 }
 
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid

@@ -6,7 +6,8 @@
 #include "fluid_solver/semi_discrete_element.hpp"
 #include "fluid_solver/space_time_element.hpp"
 
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 namespace {
 
 /// Lane l of to[a][i] from from[stride nodes[(dim + 1) l + a] + i], i < n.
@@ -152,4 +153,5 @@ constexpr ElementKernels kernels_of{add_all<dim, 4, 1>, add_all<dim, 8, 2>, add_
 const ElementKernels element_kernels_2d = kernels_of<2>;
 const ElementKernels element_kernels_3d = kernels_of<3>;
 
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid

@@ -23,7 +23,8 @@
 ///
 /// The tangent is that of F, C, Ft with the coefficients nu, tau, tau_time and tau_lsic held; in Picard's
 /// iteration the advecting velocity c is held as well.
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 
 /// Nodal values at the instant.
 template <int dim, class Real>
@@ -202,4 +203,5 @@ inline void instant_tangent(const Instant<dim, Real>& s, int a, int b,
   t.time_rate = tau_mass;
 }
 
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid

@@ -7,7 +7,8 @@
 /// without an equation in two dimensions. Terms and references: instant.hpp, with du/dt = rate u_{n+1} + h,
 /// h the part of the difference formula that is known: backward Euler or the two-step formula
 /// (time_difference.hpp).
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 
 template <int dim, class Real>
 struct SemiDiscreteValues {
@@ -59,4 +60,5 @@ inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, doubl
   }
 }
 
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid

@@ -3,7 +3,8 @@
 
 #include "fluid_solver/kernel_isa.hpp"
 
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 
 /// A linear triangle (dim = 2) or tetrahedron (dim = 3) at one instant: the gradients of its shape functions
 /// [1/length] and its volume, in two dimensions its area.
@@ -59,4 +60,5 @@ template <class Real>
   return geometry;
 }
 
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid

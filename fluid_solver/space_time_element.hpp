@@ -15,7 +15,8 @@
 ///   R_(a,al)^p = int_dt T_al C_a dt
 /// Two or three Gauss points in time; space integrals are exact at each. The moving mesh enters through the
 /// geometry and through c alone: fields linear in x stay exact on any moving mesh.
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 
 template <int dim, class Real>
 struct SpaceTimeValues {
@@ -134,4 +135,5 @@ inline void space_time_element(const SpaceTimeValues<dim, Real>& in, const FlowP
   }
 }
 
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid

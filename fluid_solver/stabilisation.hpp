@@ -5,7 +5,8 @@
 #include "fluid_solver/flow_parameters.hpp"
 #include "fluid_solver/simplex_geometry.hpp"
 
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 
 /// Element coefficients at one instant. The tangent holds them constant.
 template <class Real>
@@ -76,4 +77,5 @@ struct StandardCoefficients {
   }
 };
 
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid

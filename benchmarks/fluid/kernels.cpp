@@ -36,13 +36,15 @@ struct Counted {
 } // namespace
 } // namespace drogue::bench
 
-namespace drogue::fluid::inline DROGUE_ISA {
+namespace drogue::fluid {
+inline namespace DROGUE_ISA {
 template <class Function>
 [[nodiscard]] inline bench::Counted lanewise(bench::Counted a, Function f) noexcept {
   ++bench::Counted::operations;
   return f(a.value);
 }
-} // namespace drogue::fluid::inline DROGUE_ISA
+} // namespace DROGUE_ISA
+} // namespace drogue::fluid
 
 namespace drogue::bench {
 namespace {
