@@ -51,7 +51,7 @@ std::vector<double> laplacian(const FluidMesh& mesh, const VelocityConstraints& 
 bool choose_direct(const Settings& settings, const FluidMesh& mesh, std::size_t equations) {
   if (settings.linear_method != LinearMethod::automatic)
     return settings.linear_method == LinearMethod::direct;
-  return la::rank_count() == 1 && equations <= (mesh.dimension == 2 ? 400000U : 10000U);
+  return la::rank_count() == 1 && equations <= (mesh.dimension == 2 ? 400000U : 2000U);
 }
 
 template <int n>
