@@ -15,7 +15,7 @@
 
 #include "benchmarks/fluid/kernels.hpp"
 #include "benchmarks/fluid/machine.hpp"
-#include "benchmarks/fluid/rows.hpp"
+#include "benchmarks/support/measure.hpp"
 #include "common/la_krylov/session.hpp"
 #include "common/mesh/msh.hpp"
 #include "fluid_solver/flow_solver.hpp"
@@ -88,7 +88,7 @@ Steps run_steps(const Settings& settings, const FluidMesh& mesh, Formulation for
 void step_rows(const FluidMesh& mesh, const std::string& name, Formulation formulation, bool tight) {
   const Settings settings = t10_flow();
   const Steps steps = run_steps(settings, mesh, formulation, 4);
-  const double memory = la::sum_over_ranks(resident_bytes());
+  const double memory = la::sum_over_ranks(resident_megabytes());
   double error = 0;
   if (tight) {
     Settings exact = settings;
@@ -101,7 +101,7 @@ void step_rows(const FluidMesh& mesh, const std::string& name, Formulation formu
   row(name + "/step", steps.time, "s");
   row(name + "/gmres_iterations_a_step", steps.iterations, "count");
   row(name + "/microseconds_a_node", 1e6 * steps.time / mesh.node_count(), "us");
-  row(name + "/memory", memory / 1e6, "MB");
+  row(name + "/memory", memory, "MB");
   if (tight) row(name + "/canopy_force_error", 100 * error, "percent");
 }
 

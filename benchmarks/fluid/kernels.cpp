@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "benchmarks/fluid/machine.hpp"
-#include "benchmarks/fluid/rows.hpp"
+#include "benchmarks/support/measure.hpp"
 #include "common/la_krylov/block_matrix.hpp"
 #include "fluid_solver/element_loop.hpp"
 #include "fluid_solver/semi_discrete_element.hpp"

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "benchmarks/fluid/machine.hpp"
 
-#include <fstream>
 #include <vector>
 
-#include <malloc.h>
-#include <unistd.h>
-
-#include "benchmarks/fluid/rows.hpp"
+#include "benchmarks/support/measure.hpp"
 #include "common/base/isa.hpp"
 
 namespace drogue::bench {
@@ -60,15 +56,6 @@ double arithmetic_peak() {
                                      : chains_baseline();
   });
   return 2.0 * 8 * chains * rounds / time;
-}
-
-double resident_bytes() {
-  malloc_trim(0);
-  std::ifstream statm("/proc/self/statm");
-  double size = 0;
-  double resident = 0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 } // namespace drogue::bench

@@ -10,7 +10,4 @@ namespace drogue::bench {
 /// Floating-point operations a second of independent fused multiply-adds in registers, double precision.
 [[nodiscard]] double arithmetic_peak();
 
-/// Memory of the process now [bytes].
-[[nodiscard]] double resident_bytes();
-
 } // namespace drogue::bench

@@ -7,106 +7,28 @@
 // canopy inflates by 10 % of its diameter, shrinks by as much below its first shape, and moves half a
 // diameter to the side. Prints rows as Google Benchmark's csv does: name,iterations,value,value,unit.
 //   mesh_t10_bench [--paper-only] [ignored options...]
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <ctime>
-#include <fstream>
-#include <functional>
 
 #include <fmt/format.h>
-#include <malloc.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
+#include "benchmarks/support/measure.hpp"
 #include "common/la_direct/direct_solver.hpp"
 #include "mesh_mover/mover.hpp"
-#include "parachute_mesher/fluid_mesh.hpp"
-#include "parachute_mesher/structure_mesh.hpp"
-#include "tests/parachute_mesher/inflated_shape.hpp"
+#include "tests/support/t10_fluid.hpp"
 
 namespace drogue::mesh_mover {
 namespace {
 
-using parachute::Canopy;
-using parachute::Subdivision;
+using namespace bench;
 
-constexpr double diameter = 35; // ft
-constexpr Canopy t10{.diameter = diameter, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
-
-struct Size {
-  std::string name;
-  Subdivision rows;
-  double canopy_size, wake_size, growth;
-};
-// clang-format off
-const std::vector<Size> sizes = {
-    {"t10_20k", {.main_rows = 16, .skirt_rows = 4, .across_vent = 1, .across_seam = 4, .across_skirt = 3,
-                 .across_exponent = 0.584}, 0.9, 1.8, 0.15},
-    {"t10_50k", {.main_rows = 26, .skirt_rows = 6, .across_vent = 1, .across_seam = 5, .across_skirt = 4,
-                 .across_exponent = 0.584}, 0.6, 1.2, 0.15},
-    {"t10", {.main_rows = 42, .skirt_rows = 9, .across_vent = 1, .across_seam = 8, .across_skirt = 6,
-             .across_exponent = 0.584}, 0.38, 0.78, 0.15},
-    {"t10_500k", {.main_rows = 70, .skirt_rows = 15, .across_vent = 2, .across_seam = 13, .across_skirt = 10,
-                  .across_exponent = 0.584}, 0.23, 0.46, 0.15},
-};
-// clang-format on
-
-double seconds(const std::function<void()>& f) {
-  const auto start = std::chrono::steady_clock::now();
-  f();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+constexpr double diameter = test::t10_canopy.diameter; // ft
 
 /// Processor time of this process, all threads.
 double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-double resident_megabytes() {
-  malloc_trim(0);
-  std::ifstream statm("/proc/self/statm");
-  double size = 0, resident = 0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
-
-void row(const std::string& name, double value, const char* unit) {
-  fmt::print("\"{}\",1,{:.6g},{:.6g},{}\n", name, value, value, unit);
-  std::fflush(stdout);
-}
-
-bool require(bool ok, const std::string& what) {
-  if (!ok) fmt::print(stderr, "mesh_t10_bench: {}\n", what);
-  return ok;
-}
-
-Result<mesh::Mesh> mesh_of(const Size& size) {
-  const parachute::Rigging rigging{
-      .line_length = 29.4, .line_elements = 2, .vent_elements = 1, .confluence_distance = 2.3};
-  const Subdivision cloth{
-      .main_rows = 11, .skirt_rows = 2, .across_vent = 2, .across_seam = 2, .across_skirt = 2};
-  const auto structure = parachute::structure_mesh(
-      t10, rigging, {.file = {}, .quadratic = true, .rows = cloth_rows(t10, cloth)});
-  const auto rows = cloth_rows(t10, size.rows);
-  const auto surface =
-      parachute::inflated_canopy(t10, rows, structure, parachute::inflated_displacement(t10, structure));
-  if (!surface) return surface.error();
-  const parachute::FluidSettings settings{.file = {},
-                                          .structure_mesh = {},
-                                          .structure_state = {},
-                                          .rows = rows,
-                                          .half_width = 3 * diameter,
-                                          .upstream = 3 * diameter,
-                                          .downstream = 5 * diameter,
-                                          .canopy_size = size.canopy_size,
-                                          .largest_size = 32,
-                                          .growth = size.growth,
-                                          .wake_size = size.wake_size,
-                                          .wake_length = 1.6 * diameter};
-  auto made = parachute::fluid_mesh(t10, settings, *surface);
-  if (!made) return made.error();
-  return std::move(made->mesh);
 }
 
 Boundary side(const char* name) {
@@ -217,19 +139,23 @@ void large_motion(const mesh::Mesh& mesh, const std::string& name) {
 } // namespace drogue::mesh_mover
 
 int main(int argc, char** argv) {
-  using namespace drogue::mesh_mover;
+  using namespace drogue;
+  using namespace mesh_mover;
   spdlog::set_level(spdlog::level::warn);
-  drogue::la::use_one_blas_thread();
+  la::use_one_blas_thread();
   bool paper_only = false;
   for (int i = 1; i < argc; ++i) paper_only = paper_only || std::strcmp(argv[i], "--paper-only") == 0;
   Cost first, last;
-  for (const Size& size : sizes) {
-    if (paper_only && size.name != "t10") continue;
-    const auto mesh = mesh_of(size);
+  for (const test::T10FluidSize* size :
+       {&test::t10_fluid_small, &test::t10_fluid_middle, &test::t10_fluid_paper, &test::t10_fluid_large}) {
+    const bool paper = size == &test::t10_fluid_paper;
+    if (paper_only && !paper) continue;
+    const auto mesh = test::t10_fluid_mesh(*size);
     if (!require(mesh.ok(), mesh ? "" : mesh.error().message)) return 1;
-    last = one_solve(*mesh, size.name);
+    const std::string name = std::string("t10_") + size->name;
+    last = one_solve(*mesh, name);
     if (first.nodes == 0) first = last;
-    if (size.name == "t10") large_motion(*mesh, size.name);
+    if (paper) large_motion(*mesh, name);
   }
   if (last.nodes > first.nodes)
     row("t10/solve_growth", std::log(last.solve / first.solve) / std::log(last.nodes / first.nodes),

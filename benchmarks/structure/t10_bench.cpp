@@ -6,21 +6,17 @@
 // least of several runs.
 //   structure_t10_bench [--no-inflation] [ignored options...]
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <string>
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "benchmarks/support/measure.hpp"
 #include "common/la_direct/direct_solver.hpp"
 #include "structure_solver/run.hpp"
 #include "tests/support/t10_structure.hpp"
@@ -28,35 +24,7 @@
 namespace drogue::structure {
 namespace {
 
-double seconds(const std::function<void()>& f) {
-  const auto start = std::chrono::steady_clock::now();
-  f();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double least(int runs, const std::function<void()>& f) {
-  double best = INFINITY;
-  for (int k = 0; k < runs; ++k) best = std::min(best, seconds(f));
-  return best;
-}
-
-double resident_megabytes() {
-  malloc_trim(0);
-  std::ifstream statm("/proc/self/statm");
-  double size = 0, resident = 0;
-  statm >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
-
-void row(const std::string& name, int runs, double value, const char* unit) {
-  fmt::print("\"{}\",{},{:.6g},{:.6g},{}\n", name, runs, value, value, unit);
-  std::fflush(stdout);
-}
-
-bool require(bool ok, const char* what) {
-  if (!ok) fmt::print(stderr, "structure_t10_bench: {}\n", what);
-  return ok;
-}
+using namespace bench;
 
 struct Iteration {
   double equations = 0, time = 0, memory = 0;
@@ -134,9 +102,10 @@ void inflation(bool compatible, const std::string& name) {
 } // namespace drogue::structure
 
 int main(int argc, char** argv) {
-  using namespace drogue::structure;
+  using namespace drogue;
+  using namespace structure;
   spdlog::set_level(spdlog::level::warn);
-  drogue::la::use_one_blas_thread();
+  la::use_one_blas_thread();
   bool with_inflation = true;
   for (int i = 1; i < argc; ++i)
     with_inflation = with_inflation && std::strcmp(argv[i], "--no-inflation") != 0;
