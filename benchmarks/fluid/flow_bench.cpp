@@ -88,7 +88,7 @@ Steps run_steps(const Settings& settings, const FluidMesh& mesh, Formulation for
 void step_rows(const FluidMesh& mesh, const std::string& name, Formulation formulation, bool tight) {
   const Settings settings = t10_flow();
   const Steps steps = run_steps(settings, mesh, formulation, 4);
-  const double memory = la::sum_over_ranks(resident_megabytes());
+  const double memory = la::sum_over_ranks(peak_megabytes());
   double error = 0;
   if (tight) {
     Settings exact = settings;
@@ -126,20 +126,22 @@ void make(const test::T10FluidSize& size, const std::filesystem::path& file) {
 }
 
 /// What each rank of a child does.
-void on_ranks(const std::string& file, const std::string& name) {
+void on_ranks(const std::string& file, const std::string& name, bool space_time) {
   const FluidMesh mesh = load(file);
   const int ranks = la::rank_count();
-  const std::string suffix = fmt::format("_{}_{}_rank{}", name, ranks, ranks > 1 ? "s" : "");
-  const bool large = name == test::t10_fluid_large.name;
-  if (!large) step_rows(mesh, "dsd_sst" + suffix, Formulation::dsd_sst, ranks == 1);
-  step_rows(mesh, "semi_discrete" + suffix, Formulation::semi_discrete, false);
+  step_rows(mesh,
+            fmt::format("{}_{}_{}_rank{}", space_time ? "dsd_sst" : "semi_discrete", name, ranks,
+                        ranks > 1 ? "s" : ""),
+            space_time ? Formulation::dsd_sst : Formulation::semi_discrete, space_time && ranks == 1);
 }
 
-/// MPI runs in children alone: a process that has started it cannot call mpiexec.
-void run_steps_on(int ranks, const char* self, const std::string& file, const std::string& name) {
+/// A child, so that its peak of memory is its own; and a process that has started MPI could not call mpiexec.
+void run_steps_on(int ranks, const char* self, const std::string& file, const std::string& name,
+                  bool space_time) {
   std::fflush(stdout);
   const std::string launch = ranks == 1 ? "" : fmt::format("mpiexec --oversubscribe -n {} ", ranks);
-  const std::string command = fmt::format("{}'{}' --ranks '{}' '{}'", launch, self, file, name);
+  const std::string command = fmt::format("{}'{}' --ranks '{}' '{}' {}", launch, self, file, name,
+                                          space_time ? "space_time" : "semi_discrete");
   if (std::system(command.c_str()) != 0) fmt::print(stderr, "fluid_flow_bench: failed: {}\n", command);
 }
 
@@ -158,8 +160,9 @@ void all(const char* self, bool quick) {
     const bool large = size.name == test::t10_fluid_large.name;
     kernel_rows<4>(mesh, fmt::format("semi_discrete_{}", size.name));
     if (!large) kernel_rows<8>(mesh, fmt::format("dsd_sst_{}", size.name));
-    run_steps_on(1, self, file, size.name);
-    if (!large) run_steps_on(2, self, file, size.name);
+    for (const bool space_time : {true, false})
+      for (const int ranks : {1, 2})
+        if (!large || (ranks == 1 && !space_time)) run_steps_on(ranks, self, file, size.name, space_time);
   }
   std::filesystem::remove_all(folder);
 }
@@ -169,10 +172,10 @@ void all(const char* self, bool quick) {
 
 int main(int argc, char** argv) {
   spdlog::set_level(spdlog::level::warn);
-  if (argc == 4 && std::strcmp(argv[1], "--ranks") == 0) {
+  if (argc == 5 && std::strcmp(argv[1], "--ranks") == 0) {
     const auto session = drogue::la::Session::start();
     if (!session) return 1;
-    drogue::bench::on_ranks(argv[2], argv[3]);
+    drogue::bench::on_ranks(argv[2], argv[3], std::strcmp(argv[4], "space_time") == 0);
     return 0;
   }
   drogue::bench::all(argv[0], argc > 1 && std::strcmp(argv[1], "--quick") == 0);
