@@ -2,81 +2,140 @@
 #include "parachute_mesher/cloth.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <array>
 #include <cmath>
-#include <cstdlib>
+#include <map>
 #include <numbers>
+#include <utility>
+
+#include "parachute_mesher/cross_cloth.hpp"
+#include "parachute_mesher/round_cloth.hpp"
 
 namespace drogue::parachute {
 namespace {
 
-/// Numbers the nodes of a cloth: row i has across[i] nodes a gore, all around the canopy.
-class RowNumbering {
- public:
-  RowNumbering(const Canopy& canopy, const std::vector<int>& across) : gores_(canopy.gores), across_(across) {
-    first_.push_back(0);
-    for (const int n : across) first_.push_back(first_.back() + n * gores_);
+using mesh::ElementKind;
+
+/// Rows of elements for each band between the gaps, in proportion to its length, each at least one.
+std::vector<int> rows_of_bands(const std::vector<std::pair<double, double>>& bands, int rows) {
+  double total = 0;
+  for (const auto& [from, to] : bands) total += to - from;
+  std::vector<int> result;
+  double length = 0;
+  int used = 0;
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    length += bands[b].second - bands[b].first;
+    const int left = static_cast<int>(bands.size() - b) - 1;
+    const int up_to = b + 1 == bands.size() ? rows : static_cast<int>(std::lround(rows * length / total));
+    result.push_back(std::clamp(up_to - used, 1, rows - used - left));
+    used += result.back();
   }
-  /// Node `k` edges after the start of gore `g`; closes the circle.
-  [[nodiscard]] std::int32_t node(std::size_t row, int g, int k) const {
-    const int around = across_[row] * gores_;
-    return first_[row] + (g * across_[row] + k) % around;
+  return result;
+}
+
+ClothRows arm_rows(const Canopy& canopy, const Subdivision& subdivision) {
+  ClothRows rows;
+  const double from = 0.5 * canopy.arm_width_ratio * canopy.diameter;
+  for (int i = 0; i <= subdivision.main_rows; ++i)
+    rows.s.push_back(std::lerp(from, canopy.s_seam(), static_cast<double>(i) / subdivision.main_rows));
+  rows.across.assign(rows.s.size(), subdivision.across_seam);
+  rows.is_open.assign(rows.s.size(), false);
+  return rows;
+}
+
+/// The point half-way between two: by s and theta on round canopies, straight on a cross.
+ClothNode between(const Canopy& canopy, const ClothNode& a, const ClothNode& b) {
+  if (canopy.shape == Shape::cross) {
+    const auto p = material_position(a), q = material_position(b);
+    const double x = 0.5 * (p[0] + q[0]), y = 0.5 * (p[1] + q[1]);
+    return {std::hypot(x, y), std::atan2(y, x)};
+  }
+  return {0.5 * (a.s + b.s), a.theta + 0.5 * std::remainder(b.theta - a.theta, 2 * std::numbers::pi)};
+}
+
+/// Nodes in the middle of edges, each made once.
+class EdgeNodes {
+ public:
+  EdgeNodes(const Canopy& canopy, std::vector<ClothNode>& nodes) : canopy_(canopy), nodes_(nodes) {}
+  std::int32_t add(std::int32_t a, std::int32_t b) {
+    const auto [found, is_new] = made_.emplace(std::minmax(a, b), static_cast<std::int32_t>(nodes_.size()));
+    if (is_new) nodes_.push_back(between(canopy_, at(a), at(b)));
+    return found->second;
+  }
+  /// `chain` with the middles of those of its links that are edges.
+  [[nodiscard]] std::vector<std::int32_t> refined(const std::vector<std::int32_t>& chain) const {
+    std::vector<std::int32_t> result{chain.front()};
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+      const auto found = made_.find(std::minmax(chain[i - 1], chain[i]));
+      if (found != made_.end()) result.push_back(found->second);
+      result.push_back(chain[i]);
+    }
+    return result;
   }
 
  private:
-  int gores_;
-  const std::vector<int>& across_;
-  std::vector<std::int32_t> first_;
+  [[nodiscard]] ClothNode at(std::int32_t i) const { return nodes_[static_cast<std::size_t>(i)]; }
+
+  const Canopy& canopy_;
+  std::vector<ClothNode>& nodes_;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> made_;
 };
 
-void place_nodes(const Canopy& canopy, const ClothRows& rows, Cloth& cloth) {
-  for (std::size_t row = 0; row < rows.s.size(); ++row) {
-    const int around = rows.across[row] * canopy.gores;
-    for (int j = 0; j < around; ++j)
-      cloth.nodes.push_back({rows.s[row], 2 * std::numbers::pi * (j + 0.5 * rows.across[row]) / around});
-  }
+Cloth with_corners(const Canopy& canopy, const ClothRows& rows, ElementKind kind) {
+  return canopy.shape == Shape::cross ? cross_cloth(canopy, rows, kind) : round_cloth(canopy, rows, kind);
 }
 
-void collect_radials(const Canopy& canopy, std::size_t row_count, const RowNumbering& number, Cloth& cloth) {
-  for (int g = 0; g < canopy.gores; ++g) {
-    std::vector<std::int32_t>& radial = cloth.radials.emplace_back();
-    for (std::size_t row = 0; row < row_count; ++row) radial.push_back(number.node(row, g, 0));
+/// Six-node triangles or nine-node quadrilaterals from those with corners alone.
+Cloth elevated(const Canopy& canopy, Cloth cloth) {
+  const bool quadrilateral = cloth.kind == ElementKind::quad4;
+  const std::size_t corners = quadrilateral ? 4 : 3;
+  EdgeNodes edges(canopy, cloth.nodes);
+  std::vector<std::int32_t> elements;
+  for (std::size_t e = 0; e < cloth.elements.size(); e += corners) {
+    const std::int32_t* corner = &cloth.elements[e];
+    elements.insert(elements.end(), corner, corner + corners);
+    std::array<std::int32_t, 4> middle{};
+    for (std::size_t i = 0; i < corners; ++i) {
+      middle[i] = edges.add(corner[i], corner[(i + 1) % corners]);
+      elements.push_back(middle[i]);
+    }
+    if (!quadrilateral) continue;
+    elements.push_back(static_cast<std::int32_t>(cloth.nodes.size()));
+    cloth.nodes.push_back(between(canopy, cloth.nodes[static_cast<std::size_t>(middle[0])],
+                                  cloth.nodes[static_cast<std::size_t>(middle[2])]));
   }
-}
-
-/// Triangles of one gore between an inner row with `na` edges and the next with `nb`.
-void triangulate_strip(const RowNumbering& number, std::size_t row, int g, int na, int nb,
-                       std::vector<std::int32_t>& triangles) {
-  int a = 0, b = 0;
-  while (a < na || b < nb) {
-    // Lengths of the two possible diagonals across the gore, in units of 1 / (na nb).
-    const int diagonal_a = std::abs((a + 1) * nb - b * na);
-    const int diagonal_b = std::abs((b + 1) * na - a * nb);
-    const bool advance_a = b == nb || (a < na && diagonal_a <= diagonal_b);
-    const std::int32_t at_a = number.node(row, g, a), at_b = number.node(row + 1, g, b);
-    const std::int32_t next = advance_a ? number.node(row, g, ++a) : number.node(row + 1, g, ++b);
-    triangles.insert(triangles.end(), {at_a, at_b, next});
-  }
+  for (auto& radial : cloth.radials) radial = edges.refined(radial);
+  cloth.elements = std::move(elements);
+  cloth.kind = quadrilateral ? ElementKind::quad9 : ElementKind::tri6;
+  return cloth;
 }
 
 } // namespace
 
-double Canopy::cloth_area() const {
-  const auto disk = [](double r) { return std::numbers::pi * r * r; };
-  return disk(s_seam()) - disk(s_vent()) + disk(s_seam()) - disk(flat_radius(s_skirt()));
-}
-
 ClothRows cloth_rows(const Canopy& canopy, const Subdivision& subdivision) {
+  if (canopy.shape == Shape::cross) return arm_rows(canopy, subdivision);
   ClothRows rows;
   const auto add = [&](double s, double across) {
     rows.s.push_back(s);
     rows.across.push_back(std::max(1, static_cast<int>(std::lround(across))));
+    rows.is_open.push_back(false);
   };
-  for (int i = 0; i <= subdivision.main_rows; ++i) {
-    const double x = static_cast<double>(i) / subdivision.main_rows;
-    add(std::lerp(canopy.s_vent(), canopy.s_seam(), x),
-        std::lerp(double(subdivision.across_vent), double(subdivision.across_seam),
-                  std::pow(x, subdivision.across_exponent)));
+  // The main part, in units x of the length from the vent edge to the seam.
+  const double vent = canopy.s_vent(), length = canopy.s_seam() - vent;
+  std::vector<std::pair<double, double>> bands{{0, 1}};
+  for (const Gap& gap : canopy.gaps) {
+    bands.back().second = (gap.from * canopy.s_seam() - vent) / length;
+    bands.emplace_back((gap.to * canopy.s_seam() - vent) / length, 1);
+  }
+  const std::vector<int> row_counts = rows_of_bands(bands, subdivision.main_rows);
+  for (std::size_t b = 0; b < bands.size(); ++b) {
+    if (b > 0) rows.is_open.back() = true;
+    for (int i = 0; i <= row_counts[b]; ++i) {
+      const double x = std::lerp(bands[b].first, bands[b].second, static_cast<double>(i) / row_counts[b]);
+      add(std::lerp(vent, canopy.s_seam(), x),
+          std::lerp(double(subdivision.across_vent), double(subdivision.across_seam),
+                    std::pow(x, subdivision.across_exponent)));
+    }
   }
   for (int i = 1; i <= subdivision.skirt_rows; ++i) {
     const double x = static_cast<double>(i) / subdivision.skirt_rows;
@@ -87,49 +146,13 @@ ClothRows cloth_rows(const Canopy& canopy, const Subdivision& subdivision) {
 }
 
 Cloth triangulate_cloth(const Canopy& canopy, const ClothRows& rows) {
-  Cloth cloth;
-  const RowNumbering number(canopy, rows.across);
-  place_nodes(canopy, rows, cloth);
-  for (std::size_t row = 0; row + 1 < rows.s.size(); ++row)
-    for (int g = 0; g < canopy.gores; ++g)
-      triangulate_strip(number, row, g, rows.across[row], rows.across[row + 1], cloth.elements);
-  collect_radials(canopy, rows.s.size(), number, cloth);
-  return cloth;
+  return with_corners(canopy, rows, ElementKind::tri3);
 }
 
-Cloth quadratic_cloth(const Canopy& canopy, const ClothRows& rows) {
-  assert(std::all_of(rows.across.begin(), rows.across.end(), [&](int n) { return n == rows.across[0]; }));
-  ClothRows half;
-  for (std::size_t row = 0; row < rows.s.size(); ++row) {
-    if (row > 0) half.s.push_back(0.5 * (rows.s[row - 1] + rows.s[row]));
-    half.s.push_back(rows.s[row]);
-  }
-  half.across.assign(half.s.size(), 2 * rows.across[0]);
-
-  Cloth cloth;
-  cloth.kind = mesh::ElementKind::quad9;
-  const RowNumbering number(canopy, half.across);
-  place_nodes(canopy, half, cloth);
-  for (std::size_t i = 0; i + 2 < half.s.size(); i += 2)
-    for (int g = 0; g < canopy.gores; ++g)
-      for (int j = 0; j < half.across[0]; j += 2) {
-        const auto node = [&](std::size_t di, int dj) { return number.node(i + di, g, j + dj); };
-        cloth.elements.insert(cloth.elements.end(),
-                              {node(0, 0), node(2, 0), node(2, 2), node(0, 2), // corners
-                               node(1, 0), node(2, 1), node(1, 2), node(0, 1), // middles of the edges
-                               node(1, 1)});
-      }
-  collect_radials(canopy, half.s.size(), number, cloth);
-  return cloth;
-}
-
-std::array<double, 3> flat_position(const Canopy& canopy, const ClothNode& node) {
-  const double r = canopy.flat_radius(node.s);
-  return {r * std::cos(node.theta), r * std::sin(node.theta), 0};
-}
-
-std::array<double, 3> material_position(const ClothNode& node) {
-  return {node.s * std::cos(node.theta), node.s * std::sin(node.theta), 0};
+Cloth mesh_cloth(const Canopy& canopy, const ClothRows& rows, ElementKind kind) {
+  if (kind == ElementKind::tri6) return elevated(canopy, triangulate_cloth(canopy, rows));
+  if (kind == ElementKind::quad9) return elevated(canopy, with_corners(canopy, rows, ElementKind::quad4));
+  return with_corners(canopy, rows, kind);
 }
 
 } // namespace drogue::parachute

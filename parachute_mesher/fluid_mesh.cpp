@@ -11,16 +11,10 @@ namespace drogue::parachute {
 namespace {
 
 /// Mean height of the nodes on the skirt edge.
-double skirt_height(const Canopy& canopy, const CanopySurface& surface) {
+double skirt_height(const CanopySurface& surface) {
   double sum = 0;
-  int count = 0;
-  for (std::size_t i = 0; i < surface.points.size(); ++i) {
-    const double s = std::hypot(surface.material[i][0], surface.material[i][1]);
-    if (s < canopy.s_skirt() * (1 - 1e-9)) continue;
-    sum += surface.points[i].z();
-    ++count;
-  }
-  return sum / count;
+  for (const std::int32_t node : surface.rim) sum += surface.points[static_cast<std::size_t>(node)].z();
+  return sum / static_cast<double>(surface.rim.size());
 }
 
 mesh::NodeField material_field(const CanopySurface& surface, const std::vector<std::int32_t>& origin) {
@@ -46,6 +40,7 @@ Result<CanopySurface> inflated_canopy(const Canopy& canopy, const ClothRows& row
 
   const Cloth cloth = triangulate_cloth(canopy, rows);
   CanopySurface surface;
+  surface.rim = cloth.rim;
   for (const ClothNode& node : cloth.nodes) {
     const std::array<double, 3> material = material_position(node);
     const auto x = map->interpolate(current, material[0], material[1]);
@@ -64,7 +59,7 @@ Result<CanopySurface> inflated_canopy(const Canopy& canopy, const ClothRows& row
 
 Result<FluidMeshResult> fluid_mesh(const Canopy& canopy, const FluidSettings& settings,
                                    const CanopySurface& surface) {
-  const double z = skirt_height(canopy, surface);
+  const double z = skirt_height(surface);
   const meshing::Box box{.low = {-settings.half_width, -settings.half_width, z - settings.upstream},
                          .high = {settings.half_width, settings.half_width, z + settings.downstream}};
   meshing::SizeRule sizes{.surface_size = settings.canopy_size,

@@ -12,6 +12,7 @@ struct CanopySurface {
   std::vector<meshing::Point> points;
   std::vector<meshing::Triangle> triangles; ///< normals outward
   std::vector<std::array<double, 3>> material;
+  std::vector<std::int32_t> rim; ///< nodes on the skirt edge
 };
 
 /// Triangulates the cloth and puts every node where the structure's element at its material coordinates has

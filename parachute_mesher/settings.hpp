@@ -9,17 +9,28 @@
 
 namespace drogue::parachute {
 
+/// Four risers and a payload of six trusses under them; see the config schema. Lengths [length].
+struct Risers {
+  double length = 0;
+  int elements = 1;
+  double confluence_depth = 0;
+  double payload_width = 0;
+  double payload_height = 0;
+};
+
 /// Lines below the canopy and across its vent.
 struct Rigging {
   double line_length = 0; ///< [length]
   int line_elements = 1;
-  int vent_elements = 1;
+  int vent_elements = 1;          ///< 0: no vent lines
   double confluence_distance = 0; ///< [length]; 0: one confluence point
+  int inner_line_elements = 0;    ///< from the vent edge to the confluence points; 0: none
+  std::optional<Risers> risers = {};
 };
 
 struct StructureSettings {
   std::filesystem::path file;
-  bool quadratic = false; ///< Q9, else T3
+  mesh::ElementKind element = mesh::ElementKind::tri3;
   ClothRows rows;
 };
 

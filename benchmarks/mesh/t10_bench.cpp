@@ -24,7 +24,7 @@ namespace {
 
 using namespace bench;
 
-constexpr double diameter = test::t10_canopy.diameter; // ft
+const double diameter = test::t10_canopy.diameter; // ft
 
 /// Processor time of this process, all threads.
 double processor_seconds() {

@@ -56,9 +56,9 @@ class Commands : public testing::Test {
               inflated_displacement(settings->canopy, *m));
     ASSERT_TRUE(io::write_state(folder_ / "inflated.state", state).ok());
   }
-  [[nodiscard]] int run(const std::string& arguments) const {
-    const std::string command = fmt::format("cd {} && {}/parachute_mesher {} > out.txt 2> err.txt",
-                                            folder_.string(), DROGUE_BIN_DIR, arguments);
+  [[nodiscard]] int run(const std::string& arguments, const char* program = "parachute_mesher") const {
+    const std::string command = fmt::format("cd {} && {}/{} {} > out.txt 2> err.txt", folder_.string(),
+                                            DROGUE_BIN_DIR, program, arguments);
     return WEXITSTATUS(std::system(command.c_str()));
   }
 
@@ -90,6 +90,30 @@ TEST_F(Commands, MakeTheQuickFluidMesh) {
   const std::string text = contents(folder_ / "out.txt");
   EXPECT_NE(text.find("conforming, every boundary face named"), std::string::npos) << text;
   EXPECT_NE(text.find("2 free edges, both sides together closed"), std::string::npos) << text;
+}
+
+TEST_F(Commands, CheckAcceptsThePapersConfigs) {
+  for (const char* name : {"compatible", "incompatible", "free_fall"}) {
+    fs::copy_file(fs::path(DROGUE_SOURCE_DIR) / "configs/t10" / name / "parachute.textproto", config(),
+                  fs::copy_options::overwrite_existing);
+    EXPECT_EQ(run("check parachute.textproto"), 0) << name << ": " << contents(folder_ / "err.txt");
+  }
+}
+
+TEST_F(Commands, StructureSolverFliesTheFreeFallCaseWithItsPayload) {
+  for (const char* name : {"parachute", "inflation", "structure"})
+    fs::copy_file(fs::path(DROGUE_SOURCE_DIR) / "configs/t10/free_fall" / fmt::format("{}.textproto", name),
+                  folder_ / fmt::format("{}.textproto", name), fs::copy_options::overwrite_existing);
+  ASSERT_EQ(run("structure parachute.textproto"), 0) << contents(folder_ / "err.txt");
+  EXPECT_EQ(run("check inflation.textproto", "structure_solver"), 0) << contents(folder_ / "err.txt");
+  // From the flat pattern, where the inflation would take half a minute, and stand-alone.
+  std::string text = contents(folder_ / "structure.textproto");
+  for (const char* line : {"initial_state: \"inflated.state\"", "initial_at_rest: true",
+                           "interface: \"canopy\"", "iterations_per_coupling: 1"})
+    text.replace(text.find(line), std::string(line).size(), "");
+  text.replace(text.find("step: 0.0032"), 12, "step: 0.001 steps: 3");
+  std::ofstream(folder_ / "structure.textproto", std::ios::trunc) << text;
+  EXPECT_EQ(run("run structure.textproto", "structure_solver"), 0) << contents(folder_ / "err.txt");
 }
 
 TEST_F(Commands, CheckAcceptsTheQuickConfigBeforeAnyMeshExists) {

@@ -17,7 +17,7 @@ namespace {
 using mesh::Mesh;
 using meshing::Point;
 
-constexpr Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
+const Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
 constexpr Subdivision triangles{
     .main_rows = 12, .skirt_rows = 3, .across_vent = 1, .across_seam = 4, .across_skirt = 3};
 
@@ -26,7 +26,8 @@ Mesh structure() {
       .line_length = 29.4, .line_elements = 2, .vent_elements = 1, .confluence_distance = 2.3};
   const Subdivision quadratic{
       .main_rows = 11, .skirt_rows = 2, .across_vent = 2, .across_seam = 2, .across_skirt = 2};
-  return structure_mesh(t10, rigging, {.file = {}, .quadratic = true, .rows = cloth_rows(t10, quadratic)});
+  return structure_mesh(
+      t10, rigging, {.file = {}, .element = mesh::ElementKind::quad9, .rows = cloth_rows(t10, quadratic)});
 }
 
 FluidSettings settings() {
@@ -123,7 +124,7 @@ TEST(FluidMesh, PutsCanopyNodesOnTheStructure) {
   ASSERT_TRUE(flat.ok());
   for (std::size_t i = 0; i < flat->points.size(); ++i) {
     const double cloth = std::hypot(flat->material[i][0], flat->material[i][1]);
-    EXPECT_NEAR(std::hypot(flat->points[i].x(), flat->points[i].y()), t10.flat_radius(cloth), 2e-3);
+    EXPECT_NEAR(std::hypot(flat->points[i].x(), flat->points[i].y()), t10.radius(cloth), 2e-3);
     EXPECT_EQ(flat->points[i].z(), 0);
   }
 }

@@ -67,7 +67,7 @@ std::array<double, 3> inflated_position(const Canopy& canopy, const Meridian& cu
   const double gore = std::floor((theta - alpha) / (2 * alpha));
   const double t = (theta - alpha) / alpha - 2 * gore - 1;
   const double half_chord = r * std::sin(alpha);
-  const double ratio = 1 + 0.35 * std::max(canopy.flat_radius(s) * alpha / half_chord - 1, 1e-9);
+  const double ratio = 1 + 0.35 * std::max(canopy.radius(s) * alpha / half_chord - 1, 1e-9);
   const double half = half_angle(ratio), radius = half_chord / std::sin(half);
   const double across = radius * std::sin(half * t);
   const double bulge = radius * (std::cos(half * t) - std::cos(half));

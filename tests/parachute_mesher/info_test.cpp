@@ -15,13 +15,13 @@ bool contains(const std::string& text, const char* part) {
 }
 
 TEST(Info, MeasuresCurvedElements) {
-  constexpr Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
+  const Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
   const Rigging rigging{
       .line_length = 29.4, .line_elements = 2, .vent_elements = 1, .confluence_distance = 0};
   const Subdivision rows{
       .main_rows = 11, .skirt_rows = 2, .across_vent = 2, .across_seam = 2, .across_skirt = 2};
-  const mesh::Mesh m =
-      structure_mesh(t10, rigging, {.file = {}, .quadratic = true, .rows = cloth_rows(t10, rows)});
+  const mesh::Mesh m = structure_mesh(
+      t10, rigging, {.file = {}, .element = mesh::ElementKind::quad9, .rows = cloth_rows(t10, rows)});
   // Quadratic arcs miss a circle by the fourth power of their angle.
   EXPECT_NEAR(measure(m, *m.blocks_of("canopy").front()), t10.cloth_area(), 1e-5 * t10.cloth_area());
   EXPECT_NEAR(measure(m, *m.blocks_of("suspension_lines").front()), 30 * 29.4, 1e-9);

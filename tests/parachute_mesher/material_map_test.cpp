@@ -10,14 +10,17 @@
 namespace drogue::parachute {
 namespace {
 
-constexpr Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
+const Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
 
 mesh::Mesh structure(bool quadratic) {
   const Rigging rigging{
       .line_length = 29.4, .line_elements = 2, .vent_elements = 1, .confluence_distance = 2.3};
   const Subdivision rows{
       .main_rows = 11, .skirt_rows = 2, .across_vent = 2, .across_seam = 2, .across_skirt = 2};
-  return structure_mesh(t10, rigging, {.file = {}, .quadratic = quadratic, .rows = cloth_rows(t10, rows)});
+  return structure_mesh(t10, rigging,
+                        {.file = {},
+                         .element = quadratic ? mesh::ElementKind::quad9 : mesh::ElementKind::tri3,
+                         .rows = cloth_rows(t10, rows)});
 }
 
 TEST(MaterialMap, ReproducesLinearFieldsInsideTheCloth) {

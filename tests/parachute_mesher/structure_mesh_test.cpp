@@ -15,8 +15,8 @@ using mesh::ElementBlock;
 using mesh::Mesh;
 
 // The T-10 of [stein2001], in feet.
-constexpr Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
-constexpr Rigging rigging{
+const Canopy t10{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
+const Rigging rigging{
     .line_length = 29.4, .line_elements = 10, .vent_elements = 3, .confluence_distance = 2.3};
 constexpr Subdivision compatible{.main_rows = 42,
                                  .skirt_rows = 9,
@@ -29,7 +29,9 @@ constexpr Subdivision incompatible{
 
 Mesh make(const Subdivision& subdivision, bool quadratic) {
   return structure_mesh(t10, rigging,
-                        {.file = {}, .quadratic = quadratic, .rows = cloth_rows(t10, subdivision)});
+                        {.file = {},
+                         .element = quadratic ? mesh::ElementKind::quad9 : mesh::ElementKind::tri3,
+                         .rows = cloth_rows(t10, subdivision)});
 }
 
 std::int32_t count(const Mesh& m, const char* group) {
@@ -109,8 +111,8 @@ TEST(StructureMesh, LinesHaveTheirLengths) {
   }
   Rigging single = rigging;
   single.confluence_distance = 0;
-  const Mesh m =
-      structure_mesh(t10, single, {.file = {}, .quadratic = true, .rows = cloth_rows(t10, incompatible)});
+  const Mesh m = structure_mesh(
+      t10, single, {.file = {}, .element = mesh::ElementKind::quad9, .rows = cloth_rows(t10, incompatible)});
   EXPECT_EQ(count(m, "confluence"), 1);
   EXPECT_NEAR(length(m, "suspension_lines"), 30 * 29.4, 1e-9);
 }

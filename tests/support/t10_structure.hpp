@@ -10,8 +10,7 @@
 /// The T-10 of [stein2001] in memory, as configs/t10 describes it (feet, slugs, seconds, pounds).
 namespace drogue::test {
 
-inline constexpr parachute::Canopy t10_canopy{
-    .diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
+inline const parachute::Canopy t10_canopy{.diameter = 35, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 30};
 
 /// `refine` multiplies the elements of the lines.
 inline mesh::Mesh t10_mesh(bool quadratic, const parachute::Subdivision& rows, int refine) {
@@ -19,9 +18,10 @@ inline mesh::Mesh t10_mesh(bool quadratic, const parachute::Subdivision& rows, i
                                    .line_elements = 10 * refine,
                                    .vent_elements = 3 * refine,
                                    .confluence_distance = 2.3};
-  return parachute::structure_mesh(
-      t10_canopy, rigging,
-      {.file = {}, .quadratic = quadratic, .rows = parachute::cloth_rows(t10_canopy, rows)});
+  return parachute::structure_mesh(t10_canopy, rigging,
+                                   {.file = {},
+                                    .element = quadratic ? mesh::ElementKind::quad9 : mesh::ElementKind::tri3,
+                                    .rows = parachute::cloth_rows(t10_canopy, rows)});
 }
 
 /// The paper's two meshes; `refine` multiplies the elements along every edge.
