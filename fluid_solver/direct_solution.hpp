@@ -67,7 +67,7 @@ class DirectSolution {
   std::vector<std::size_t> unknown_; ///< of each equation: place in {rows, n}
   std::vector<std::size_t> source_;  ///< of each entry: place in the block matrix
   la::SparseMatrix matrix_;
-  la::LuSolver lu_;
+  la::LuSolver lu_{la::LuSolver::Refinement::none};
   std::vector<double> values_;
 };
 

@@ -57,12 +57,6 @@ Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file, Role 
   return input;
 }
 
-Result<void> agree(Result<void> of_rank_0) {
-  if (la::on_every_rank(la::rank() != 0 || of_rank_0.ok())) return {};
-  if (la::rank() == 0) return of_rank_0;
-  return internal_error("rank 0 stopped");
-}
-
 Result<void> FlowRun::start() {
   const auto& file = input_.settings.initial_state;
   if (file) {
@@ -109,7 +103,9 @@ Result<void> FlowRun::open_results(const std::filesystem::path& directory, io::E
     else
       done = made.error();
   }
-  return agree(done);
+  DROGUE_TRY(la::agree(done));
+  fields_.emplace(input_.settings, input_.mesh, directory);
+  return {};
 }
 
 Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_tolerance) {
@@ -134,19 +130,20 @@ Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_toler
     for (std::size_t i = 0; i < relative.size(); ++i) relative[i] -= (data.x_np1[i] - data.x_n[i]) / data.dt;
     figures.mass_imbalance = mass_imbalance(input_.mesh, s.x, relative);
     written = results_->write_series(s, figures);
-    if (written && write_fields) written = results_->write_fields(s, averages_, false);
     if (written) written = results_->write_averages(averages_);
   }
-  if (const auto all = agree(written); !all) return all.error();
+  if (const auto all = la::agree(written); !all) return all.error();
+  if (fields_ && write_fields)
+    if (const auto all = fields_->write(solver_.state(), averages_, false); !all) return all.error();
   return figures;
 }
 
 Result<void> FlowRun::write_last_fields() {
-  return agree(results_ ? results_->write_fields(solver_.state(), averages_, true) : Result<void>());
+  return fields_ ? fields_->write(solver_.state(), averages_, true) : Result<void>();
 }
 
 Result<void> FlowRun::write_state(const std::filesystem::path& file) {
-  if (la::rank() != 0) return agree({});
+  if (la::rank() != 0) return la::agree({});
   io::State state = solver_.export_state();
   const auto by_nodes = [&](int components) {
     return [this, components](std::span<const double> v) {
@@ -156,15 +153,15 @@ Result<void> FlowRun::write_state(const std::filesystem::path& file) {
   averages_.velocity.save("velocity", state, by_nodes(3));
   averages_.pressure.save("pressure", state, by_nodes(1));
   averages_.forces.save("forces", state, [](const std::vector<double>& v) { return v; });
-  return agree(io::write_state(file, state));
+  return la::agree(io::write_state(file, state));
 }
 
 Result<void> FlowRun::save_positions(const std::filesystem::path& file) {
-  return agree(results_ ? results_->save_positions(file) : Result<void>());
+  return la::agree(results_ ? results_->save_positions(file, fields_->collection()) : Result<void>());
 }
 
 Result<void> FlowRun::restore_positions(const std::filesystem::path& file) {
-  return agree(results_ ? results_->restore_positions(file) : Result<void>());
+  return la::agree(results_ ? results_->restore_positions(file, fields_->collection()) : Result<void>());
 }
 
 } // namespace drogue::fluid

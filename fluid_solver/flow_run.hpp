@@ -9,6 +9,7 @@
 #include "common/base/result.hpp"
 #include "common/base/role.hpp"
 #include "fluid_solver/averages.hpp"
+#include "fluid_solver/field_files.hpp"
 #include "fluid_solver/flow_solver.hpp"
 #include "fluid_solver/results.hpp"
 #include "fluid_solver/settings.hpp"
@@ -25,7 +26,7 @@ struct Case {
 /// participant needs one DSD_SST phase and an interface; the coupler moves its mesh and keeps its states.
 [[nodiscard]] Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file, Role role);
 
-/// A solver on every rank, files on rank 0.
+/// A solver and its pieces of the fields on every rank, tables and states on rank 0.
 class FlowRun {
  public:
   explicit FlowRun(const Case& input) : input_(input), solver_(input.settings, input.mesh) {}
@@ -58,11 +59,9 @@ class FlowRun {
   FlowSolver solver_;
   void average(const StepFigures& figures);
 
-  std::optional<Results> results_;
+  std::optional<Results> results_; ///< on rank 0
+  std::optional<FieldFiles> fields_;
   FieldAverages averages_;
 };
-
-/// Rank 0's outcome on every rank. @note Collective
-[[nodiscard]] Result<void> agree(Result<void> of_rank_0);
 
 } // namespace drogue::fluid

@@ -191,7 +191,35 @@ Result<void> add_piece(VtuText& text, const VtuData& data) {
   return {};
 }
 
+/// Path of `file` from the folder of `from`.
+std::string relative_to(const std::filesystem::path& from, const std::filesystem::path& file) {
+  const auto folder = from.has_parent_path() ? from.parent_path() : std::filesystem::path(".");
+  const auto relative = file.lexically_normal().lexically_relative(folder.lexically_normal());
+  return escape((relative.empty() ? file : relative).generic_string());
+}
+
+std::string array_names(const char* section, std::span<const Array> arrays) {
+  std::string text = fmt::format("    <{}>\n", section);
+  for (const Array& array : arrays)
+    text += fmt::format("      <PDataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n",
+                        escape(array.name), array.components);
+  return text + fmt::format("    </{}>\n", section);
+}
+
 } // namespace
+
+Result<void> write_pvtu(const std::filesystem::path& file, const VtuData& data,
+                        std::span<const std::filesystem::path> pieces) {
+  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
+                     "byte_order=\"LittleEndian\" "
+                     "header_type=\"UInt64\">\n  <PUnstructuredGrid GhostLevel=\"0\">\n";
+  text += array_names("PPointData", data.point_data) + array_names("PCellData", data.cell_data);
+  text += "    <PPoints>\n      <PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n"
+          "    </PPoints>\n";
+  for (const std::filesystem::path& piece : pieces)
+    text += fmt::format("    <Piece Source=\"{}\"/>\n", relative_to(file, piece));
+  return write_file(file, text + "  </PUnstructuredGrid>\n</VTKFile>\n");
+}
 
 Result<void> write_vtu(const std::filesystem::path& file, const VtuData& data) {
   VtuText text;
@@ -211,10 +239,8 @@ Result<void> write_vtu(const std::filesystem::path& file, const VtuData& data) {
 }
 
 Result<void> PvdCollection::add(double time, const std::filesystem::path& vtu) {
-  const auto folder = file_.has_parent_path() ? file_.parent_path() : std::filesystem::path(".");
-  const auto relative = vtu.lexically_normal().lexically_relative(folder.lexically_normal());
-  std::string entry = fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>", time,
-                                  escape((relative.empty() ? vtu : relative).generic_string()));
+  std::string entry =
+      fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>", time, relative_to(file_, vtu));
   if (!entries_.empty() && entries_.back() == entry) return {};
   entries_.push_back(std::move(entry));
   return write();

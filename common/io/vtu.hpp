@@ -32,13 +32,19 @@ struct VtuData {
 /// Errors: ErrorKind::internal when the file cannot be written (says why).
 [[nodiscard]] Result<void> write_vtu(const std::filesystem::path& file, const VtuData& data);
 
+/// Writes a .pvtu that joins pieces written with write_vtu(), all with the arrays of `data`; their paths are
+/// stored relative to its folder. Errors: as write_vtu().
+[[nodiscard]] Result<void> write_pvtu(const std::filesystem::path& file, const VtuData& data,
+                                      std::span<const std::filesystem::path> pieces);
+
 /// A .pvd collection, rewritten (and renamed into place) after every added file, so that it is valid at any
 /// time.
 class PvdCollection {
  public:
   PvdCollection() = default;
   explicit PvdCollection(std::filesystem::path file) : file_(std::move(file)) {}
-  /// `vtu` is stored relative to the collection's folder; nothing changes when it is the last one already.
+  /// `vtu`, a .vtu or .pvtu, is stored relative to the collection's folder; nothing changes when it is the
+  /// last one already.
   [[nodiscard]] Result<void> add(double time, const std::filesystem::path& vtu);
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }

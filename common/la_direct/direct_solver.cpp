@@ -199,8 +199,13 @@ struct LuSolver::State {
   void* symbolic = nullptr;
   void* numeric = nullptr;
   SparseMatrix matrix; // UMFPACK needs it again for the iterative refinement of every solve
+  double control[UMFPACK_CONTROL];
 
-  State() = default;
+  explicit State(Refinement refinement) {
+    umfpack_di_defaults(control);
+    control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
+    if (refinement == Refinement::none) control[UMFPACK_IRSTEP] = 0;
+  }
   ~State() { clear(); }
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -210,7 +215,7 @@ struct LuSolver::State {
   }
 };
 
-LuSolver::LuSolver() : state_(std::make_unique<State>()) {}
+LuSolver::LuSolver(Refinement refinement) : state_(std::make_unique<State>(refinement)) {}
 LuSolver::~LuSolver() = default;
 LuSolver::LuSolver(LuSolver&&) noexcept = default;
 LuSolver& LuSolver::operator=(LuSolver&&) noexcept = default;
@@ -223,19 +228,17 @@ Result<bool> LuSolver::factor(const SparseMatrix& A) {
   assert(A.isCompressed() && A.rows() == A.cols());
   State& s = *state_;
   s.matrix = A;
-  double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
-  umfpack_di_defaults(control);
-  control[UMFPACK_ORDERING] = UMFPACK_ORDERING_METIS;
+  double info[UMFPACK_INFO];
   const int n = static_cast<int>(A.rows());
   const int* p = s.matrix.outerIndexPtr();
   const int* i = s.matrix.innerIndexPtr();
   const double* v = s.matrix.valuePtr();
   if (!s.symbolic) {
-    const int status = umfpack_di_symbolic(n, n, p, i, v, &s.symbolic, control, info);
+    const int status = umfpack_di_symbolic(n, n, p, i, v, &s.symbolic, s.control, info);
     if (status != UMFPACK_OK) return internal_error("UMFPACK cannot analyse the matrix (status {})", status);
   }
   if (s.numeric) umfpack_di_free_numeric(&s.numeric);
-  const int status = umfpack_di_numeric(p, i, v, s.symbolic, &s.numeric, control, info);
+  const int status = umfpack_di_numeric(p, i, v, s.symbolic, &s.numeric, s.control, info);
   if (status == UMFPACK_WARNING_singular_matrix) return false;
   if (status != UMFPACK_OK) return internal_error("UMFPACK cannot factor the matrix (status {})", status);
   return true;
@@ -247,7 +250,7 @@ Result<void> LuSolver::solve(std::span<const double> b, std::span<double> x) {
   const std::vector<double> rhs(b.begin(), b.end()); // b and x may be the same memory
   double info[UMFPACK_INFO];
   const int status = umfpack_di_solve(UMFPACK_A, s.matrix.outerIndexPtr(), s.matrix.innerIndexPtr(),
-                                      s.matrix.valuePtr(), x.data(), rhs.data(), s.numeric, nullptr, info);
+                                      s.matrix.valuePtr(), x.data(), rhs.data(), s.numeric, s.control, info);
   if (status != UMFPACK_OK) return internal_error("UMFPACK cannot solve (status {})", status);
   return {};
 }

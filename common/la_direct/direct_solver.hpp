@@ -48,7 +48,11 @@ class CholeskySolver {
 /// UMFPACK's L U of a general square matrix, METIS ordering.
 class LuSolver {
  public:
-  LuSolver();
+  enum class Refinement {
+    iterative, ///< until the residual stops falling
+    none,      ///< a fifth of the time: for matrices that only approximate, as in Newton's method
+  };
+  explicit LuSolver(Refinement refinement = Refinement::iterative);
   ~LuSolver();
   LuSolver(LuSolver&&) noexcept;
   LuSolver& operator=(LuSolver&&) noexcept;

@@ -51,6 +51,22 @@ bool on_every_rank(bool value) {
   return all != 0;
 }
 
+Result<void> agree(const Result<void>& own) {
+  if (rank_count() == 1) return own;
+  int first = own ? rank_count() : rank(); // the rank whose error counts
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD);
+  if (first == rank_count()) return {};
+  Error error = own ? Error{} : own.error();
+  int head[3] = {static_cast<int>(error.kind), error.retryable ? 1 : 0,
+                 static_cast<int>(error.message.size())};
+  MPI_Bcast(head, 3, MPI_INT, first, PETSC_COMM_WORLD);
+  error.message.resize(static_cast<std::size_t>(head[2]));
+  MPI_Bcast(error.message.data(), head[2], MPI_CHAR, first, PETSC_COMM_WORLD);
+  error.kind = static_cast<ErrorKind>(head[0]);
+  error.retryable = head[1] != 0;
+  return error;
+}
+
 std::vector<std::int64_t> process_ids() {
   std::vector<std::int64_t> ids(static_cast<std::size_t>(rank_count()));
   const std::int64_t own = getpid();

@@ -31,6 +31,8 @@ class Session {
 void sum_over_ranks(double* values, int count);
 /// True on every rank when it is on every rank. @note Collective
 [[nodiscard]] bool on_every_rank(bool value);
+/// The error of the first rank that has one, on every rank. @note Collective
+[[nodiscard]] Result<void> agree(const Result<void>& own);
 /// Process ids of all ranks, on every rank. @note Collective
 [[nodiscard]] std::vector<std::int64_t> process_ids();
 

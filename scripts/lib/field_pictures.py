@@ -202,7 +202,7 @@ def canopy(run: pathlib.Path):
     found, missing = {}, []
     for part in ("structure", "fluid"):
         try:
-            found[part] = latest(run, f"{part}_*.vtu")
+            found[part] = latest(run, f"{part}_*.*vtu")
         except NothingToDraw as reason:
             missing.append(str(reason))
     if not found:

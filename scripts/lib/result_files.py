@@ -21,8 +21,10 @@ def latest(run: pathlib.Path, pattern: str) -> pathlib.Path:
 
 
 def read_vtu(file: pathlib.Path) -> vtk.vtkUnstructuredGrid:
+    """Of a .vtu, or of a .pvtu with its pieces."""
     problems = []
-    reader = vtk.vtkXMLUnstructuredGridReader()
+    parallel = file.suffix == ".pvtu"
+    reader = vtk.vtkXMLPUnstructuredGridReader() if parallel else vtk.vtkXMLUnstructuredGridReader()
     reader.AddObserver("ErrorEvent", lambda *_: problems.append(True))
     reader.SetFileName(str(file))
     reader.Update()

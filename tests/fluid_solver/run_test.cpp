@@ -109,6 +109,14 @@ TEST_F(FluidProgram, TwoAndThreeRanksGiveWhatOneGives) {
       for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-6 * size) << name << " " << file;
     }
   }
+  EXPECT_TRUE(fs::exists(folder_ / "out3/piece_000004_2.vtu"));
+  EXPECT_NE(read(folder_ / "out3/fluid.pvd").find("fluid_000004.pvtu"), std::string::npos);
+  const std::string same = DROGUE_PYTHON " " DROGUE_SOURCE_DIR "/tests/fluid_solver/same_fields.py ";
+  for (const char* out : {"out2", "out3"})
+    EXPECT_EQ(std::system((same + (folder_ / "out1/fluid_000004.vtu ").string() +
+                           (folder_ / out / "fluid_000004.pvtu").string())
+                              .c_str()),
+              0);
 }
 
 /// A uniform flow along a channel oblique to all axes, first on a fixed, then on a moving mesh.
