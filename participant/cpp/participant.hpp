@@ -121,23 +121,33 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
+  /// @pre none: called once, before anything else  @post changes nothing
   [[nodiscard]] virtual Description describe() = 0;
+  /// @pre called once, after describe  @post results go into run.directory
   [[nodiscard]] virtual Result<void> configure(const RunInfo& run) = 0;
-  /// Reads meshes and states, and gives the interface. @post ready for begin_step
+  /// Reads meshes and states, and gives the interface.
+  /// @pre called once, after configure  @post READY: begin_step may follow; so may restore
   [[nodiscard]] virtual Result<InterfaceMesh> initialize() = 0;
   /// Saves what rollback needs.
+  /// @pre READY  @post in the step, whose length is step.time_step; the state is that at step.time
   [[nodiscard]] virtual Result<void> begin_step(const StepInfo& step) = 0;
-  /// `inputs` holds every required field of the contract, shapes and finiteness checked; fills `outputs` with
-  /// every field of the contract.
+  /// One solve to t_{n+1}.
+  /// @pre in the step; `inputs` holds every required field of the contract, shapes and finiteness checked
+  /// @post `outputs` holds every field of the contract that is not optional, with finite values
   [[nodiscard]] virtual Result<IterationReport> iterate(const Fields& inputs, Fields& outputs) = 0;
   /// Makes the last iterate the state at t_{n+1}; writes results when told.
+  /// @pre after an iterate of this step  @post READY
   [[nodiscard]] virtual Result<void> commit(bool write_output) = 0;
+  /// @pre in the step; called only with Description::can_rollback  @post READY, in exactly the state at
+  /// begin_step
   [[nodiscard]] virtual Result<void> rollback() = 0;
-  /// Saves what the steps to come depend on into files of any names in `directory`, which exists; changes
-  /// nothing.
+  /// Saves what the steps to come depend on into files of any names in `directory`.
+  /// @pre READY; called only with can_checkpoint; `directory` exists, is empty and the solver's own
+  /// @post the files are complete; the solver's state has not changed
   [[nodiscard]] virtual Result<void> checkpoint(const std::filesystem::path& directory) = 0;
   /// The exact state at checkpoint() again. In a run with RunInfo::resume it also cuts series of results to
   /// their length at the checkpoint, and continues them.
+  /// @pre READY; checkpoint() of this or another process of this solver wrote `directory`  @post READY
   [[nodiscard]] virtual Result<void> restore(const std::filesystem::path& directory) = 0;
 };
 
