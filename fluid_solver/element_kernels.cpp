@@ -89,6 +89,8 @@ inline void load(const StepData& data, const std::int32_t* nodes,
   gather<dim, dim, 3>(nodes, data.history.data(), in.history);
   gather<dim, dim, 3>(nodes, data.f_np1.data(), in.f);
   gather<dim, 4, 4>(nodes, data.unknowns.data(), in.w);
+  if (!data.stress_np1.empty())
+    gather<dim, stress_components<dim>, 6>(nodes, data.stress_np1.data(), in.stress);
 }
 
 template <int dim>
@@ -99,6 +101,9 @@ inline void load(const StepData& data, const std::int32_t* nodes, SpaceTimeValue
   gather<dim, dim, 3>(nodes, data.f_n.data(), in.f_n);
   gather<dim, dim, 3>(nodes, data.f_np1.data(), in.f_np1);
   gather<dim, 8, 8>(nodes, data.unknowns.data(), in.w);
+  if (data.stress_np1.empty()) return;
+  gather<dim, stress_components<dim>, 6>(nodes, data.stress_n.data(), in.stress_n);
+  gather<dim, stress_components<dim>, 6>(nodes, data.stress_np1.data(), in.stress_np1);
 }
 
 /// What a formulation adds up on an element; time_points: quadrature points in time of DSD/SST.
@@ -130,9 +135,9 @@ void add_all(const LocalElements& elements, const StepData& data, const FlowPara
   const StandardCoefficients rule{parameters};
   using Kernel = Element<dim, n, time_points>;
   constexpr std::size_t nodes = dim + 1;
+  typename Kernel::Values in{}; // stresses stay zero where none are recovered
   for (std::int32_t k = 0; k < elements.batches; ++k) {
     const auto first = static_cast<std::size_t>(k) * batch_size;
-    typename Kernel::Values in;
     load<dim>(data, elements.node.data() + nodes * first, in);
     Batch r[nodes][n];
     if (jacobian != nullptr)

@@ -168,6 +168,18 @@ void FlowSolver::apply_constraints() {
   data_.slip_np1 = constraints_.apply(t_np1, data_.x_np1, data_.wall_np1, data_.unknowns, n, n - 4);
 }
 
+void FlowSolver::recover_stress() {
+  data_.stress_n.clear();
+  data_.stress_np1.clear();
+  if (!settings_.viscous_residual || !convection_) return;
+  if (!recovered_) recovered_.emplace(mesh_, active_->own_rows());
+  const auto n = static_cast<std::size_t>(active_->unknowns());
+  const std::span<const double> w(data_.unknowns);
+  const double nu = settings_.kinematic_viscosity();
+  if (n == 8) recovered_->evaluate(data_.x_n, w, n, nu, data_.stress_n);
+  recovered_->evaluate(data_.x_np1, w.subspan(n - 4), n, nu, data_.stress_np1);
+}
+
 /// U: the largest speed of the step's start; in a fluid at rest what the body force or one element a step
 /// make.
 void FlowSolver::set_scale() {
@@ -184,6 +196,7 @@ void FlowSolver::set_scale() {
 
 Result<double> FlowSolver::evaluate(bool jacobian) {
   apply_constraints();
+  recover_stress();
   if (!first_residual_) set_scale();
   auto norm = active_->evaluate(data_, jacobian);
   if (!norm) {

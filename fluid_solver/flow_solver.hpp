@@ -12,6 +12,7 @@
 #include "fluid_solver/boundary_conditions.hpp"
 #include "fluid_solver/flow_system.hpp"
 #include "fluid_solver/fluid_mesh.hpp"
+#include "fluid_solver/recovered_stress.hpp"
 #include "fluid_solver/settings.hpp"
 #include "fluid_solver/step_data.hpp"
 
@@ -101,6 +102,7 @@ class FlowSolver {
  private:
   [[nodiscard]] Result<double> evaluate(bool jacobian);
   void apply_constraints();
+  void recover_stress();
   void set_scale();
   [[nodiscard]] Result<la::Outcome> correct(double residual);
   void set_time_difference(int order);
@@ -110,6 +112,7 @@ class FlowSolver {
   VelocityConstraints constraints_;
   std::unique_ptr<FlowSystem> systems_[2];
   FlowSystem* active_ = nullptr;
+  std::optional<RecoveredStress> recovered_; ///< where the settings ask for it
   FlowState state_;
   StepData data_;
   NewtonReport total_;

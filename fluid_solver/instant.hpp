@@ -9,7 +9,8 @@
 ///
 /// Strong form (per mass; p is the kinematic pressure, pressure over density):
 ///   r = du/dt|_mesh + c . grad u + grad p - div(2 nu S) - f = 0,   div u = 0,   c = u - mesh velocity
-/// The second derivatives of linear shape functions vanish, so r has no viscous part inside an element.
+/// The second derivatives of linear shape functions vanish: inside an element r has a viscous part only where
+/// the stress is recovered from nodal values (recovered_stress.hpp), which the tangent leaves out.
 ///
 /// Weak form, w and q the test functions of node a:
 ///   F_a  = int N_a (du/dt + c . grad u - f) - div(w) p + 2 nu S : grad w + tau_lsic div(w) div(u)
@@ -26,6 +27,13 @@
 namespace drogue::fluid {
 inline namespace DROGUE_ISA {
 
+/// Components of a symmetric tensor and the place of its component (i, j): xx, xy, yy, xz, yz, zz.
+template <int dim>
+inline constexpr int stress_components = dim*(dim + 1) / 2;
+[[nodiscard]] constexpr int stress_component(int i, int j) noexcept {
+  return i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i;
+}
+
 /// Nodal values at the instant.
 template <int dim, class Real>
 struct InstantValues {
@@ -33,6 +41,7 @@ struct InstantValues {
   Real c[dim + 1][dim]; ///< advecting velocity: u minus the mesh velocity [length/time]
   Real a[dim + 1][dim]; ///< du/dt following the mesh, minus the body force per mass [length/time^2]
   Real p[dim + 1];      ///< kinematic pressure [length^2/time^2]
+  Real stress[dim + 1][stress_components<dim>]; ///< recovered 2 nu S [length^2/time^2]
 };
 
 /// a . b over the dimensions of space.
@@ -99,7 +108,13 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
   const Real V_pair = node_pair<dim> * V;
   s.weight = V;
 
-  Real inertia[nodes][dim]; // r without grad p, nodal
+  Real gradients[dim]; // of r: grad p - div(2 nu S), constant in the element
+  for (int d = 0; d < dim; ++d) {
+    gradients[d] = grad_p[d];
+    for (int a = 0; a < nodes; ++a)
+      for (int j = 0; j < dim; ++j) gradients[d] -= v.stress[a][stress_component(d, j)] * g[a][j];
+  }
+  Real inertia[nodes][dim]; // the rest of r, nodal
   Real inertia_sum[dim] = {};
   for (int a = 0; a < nodes; ++a)
     for (int d = 0; d < dim; ++d) {
@@ -115,7 +130,7 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
         sum += v.c[a][k] * inertia[a][d];
         product += v.c[a][k] * v.c[a][d];
       }
-      c_r[k][d] = V_pair * sum + V_mean * c_sum[k] * grad_p[d];
+      c_r[k][d] = V_pair * sum + V_mean * c_sum[k] * gradients[d];
       s.cc[k][d] = V_pair * product;
     }
   const double vary = vary_c ? 1.0 : 0.0;
@@ -129,7 +144,7 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
   for (int a = 0; a < nodes; ++a) {
     for (int d = 0; d < dim; ++d) {
       const Real galerkin = V_pair * (inertia_sum[d] + inertia[a][d]);
-      s.r_mass[a][d] = galerkin + V_mean * grad_p[d];
+      s.r_mass[a][d] = galerkin + V_mean * gradients[d];
       Real f = galerkin + isotropic * g[a][d];
       for (int j = 0; j < dim; ++j)
         f += g[a][j] * (s.k.nu * V * (s.grad_u[d][j] + s.grad_u[j][d]) + s.k.tau * c_r[j][d]);
@@ -138,7 +153,7 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
       s.tau_dc_r[a][d] = vary * s.k.tau * s.r_mass[a][d];
     }
     Real q = V_mean * div;
-    for (int d = 0; d < dim; ++d) q += s.k.tau * g[a][d] * (V_mean * inertia_sum[d] + V * grad_p[d]);
+    for (int d = 0; d < dim; ++d) q += s.k.tau * g[a][d] * (V_mean * inertia_sum[d] + V * gradients[d]);
     s.continuity[a] = q;
     for (int b = 0; b < nodes; ++b) {
       Real sum = (c_sum[0] + v.c[a][0]) * g[b][0];

@@ -12,10 +12,11 @@ inline namespace DROGUE_ISA {
 
 template <int dim, class Real>
 struct SemiDiscreteValues {
-  Real x[dim + 1][dim];       ///< corners [length]
-  Real history[dim + 1][dim]; ///< h [length/time^2]
-  Real f[dim + 1][dim];       ///< body force per mass at t_{n+1}
-  Real w[dim + 1][4];         ///< unknowns
+  Real x[dim + 1][dim];                         ///< corners [length]
+  Real history[dim + 1][dim];                   ///< h [length/time^2]
+  Real f[dim + 1][dim];                         ///< body force per mass at t_{n+1}
+  Real w[dim + 1][4];                           ///< unknowns
+  Real stress[dim + 1][stress_components<dim>]; ///< recovered 2 nu S
 };
 
 /// residual[a] = (F_a, C_a); with `tangent`, calls sink(a, b, block) for all node pairs, block[4 j + i]
@@ -34,6 +35,7 @@ inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, doubl
       v.a[a][d] = rate * in.w[a][d] + in.history[a][d] - in.f[a][d];
     }
     v.p[a] = in.w[a][3];
+    for (int i = 0; i < stress_components<dim>; ++i) v.stress[a][i] = in.stress[a][i];
   }
   Instant<dim, Real> s;
   evaluate_instant<dim>(in.x, v, 1.0, rule, 0, parameters.newton && parameters.convection, s);

@@ -152,6 +152,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.smagorinsky = m.smagorinsky();
   s.lsic = m.stabilisation().lsic();
   s.time_weight = m.stabilisation().time_weight();
+  s.viscous_residual = m.stabilisation().viscous_residual();
   if (m.stabilisation().has_tau_step()) s.tau_step = m.stabilisation().tau_step();
   s.body_force = expression(m.body_force());
   load_phases(m, s, report);

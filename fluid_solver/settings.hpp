@@ -89,6 +89,7 @@ struct Settings {
   bool lsic = true;
   std::optional<double> tau_step; ///< in place of the step in tau
   bool time_weight = true;        ///< DSD/SST's test functions weigh by their time derivative
+  bool viscous_residual = false;  ///< recovered viscous force in the stabilisation's residual
   config::VectorExpression body_force;
   std::vector<PhaseSettings> phases;
   NewtonSettings newton;

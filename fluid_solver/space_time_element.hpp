@@ -20,12 +20,14 @@ inline namespace DROGUE_ISA {
 
 template <int dim, class Real>
 struct SpaceTimeValues {
-  Real x_n[dim + 1][dim];   ///< corners at t_n [length]
-  Real x_np1[dim + 1][dim]; ///< corners at t_{n+1}
-  Real u_n[dim + 1][dim];   ///< u_n^-, end of the slab before
-  Real f_n[dim + 1][dim];   ///< body force per mass at t_n
-  Real f_np1[dim + 1][dim]; ///< body force per mass at t_{n+1}
-  Real w[dim + 1][8];       ///< unknowns
+  Real x_n[dim + 1][dim];                           ///< corners at t_n [length]
+  Real x_np1[dim + 1][dim];                         ///< corners at t_{n+1}
+  Real u_n[dim + 1][dim];                           ///< u_n^-, end of the slab before
+  Real f_n[dim + 1][dim];                           ///< body force per mass at t_n
+  Real f_np1[dim + 1][dim];                         ///< body force per mass at t_{n+1}
+  Real w[dim + 1][8];                               ///< unknowns
+  Real stress_n[dim + 1][stress_components<dim>];   ///< recovered 2 nu S at t_n^+
+  Real stress_np1[dim + 1][stress_components<dim>]; ///< at t_{n+1}^-
 };
 
 /// Whether the advecting velocity is relative to the mesh. Leaving the mesh velocity out is wrong on a moving
@@ -41,6 +43,8 @@ inline void values_in_slab(const SpaceTimeValues<dim, Real>& in, double theta, d
   const double rate = 1.0 / dt;
   for (int a = 0; a <= dim; ++a) {
     v.p[a] = T0 * in.w[a][3] + T1 * in.w[a][7];
+    for (int i = 0; i < stress_components<dim>; ++i)
+      v.stress[a][i] = T0 * in.stress_n[a][i] + T1 * in.stress_np1[a][i];
     for (int d = 0; d < dim; ++d) {
       x[a][d] = T0 * in.x_n[a][d] + T1 * in.x_np1[a][d];
       v.u[a][d] = T0 * in.w[a][d] + T1 * in.w[a][4 + d];

@@ -24,6 +24,9 @@ struct StepData {
   std::vector<double> wall_np1;         ///< {n, 3} and at t_{n+1}^-
   std::vector<SlipDirections> slip_n;   ///< directions in which free slip holds velocities, at t_n^+
   std::vector<SlipDirections> slip_np1; ///< and at t_{n+1}^-
+  /// Viscous stress per density recovered at the nodes {n, 6}, components as in stress_component(); empty
+  /// where the stabilisation's residual has no viscous part. At t_n^+ and t_{n+1}^- [length^2/time^2].
+  std::vector<double> stress_n, stress_np1;
   std::vector<double>
       unknowns; ///< {n, 4}: (u, p) at t_{n+1}; or {n, 8}: (u, p) at t_n^+, (u, p) at t_{n+1}^-
 };

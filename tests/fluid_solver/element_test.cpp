@@ -78,6 +78,7 @@ template <int dim>
 SemiDiscreteValues<dim, double> instant_values() {
   std::mt19937 generator(7);
   SemiDiscreteValues<dim, double> in;
+  fill_at_random(generator, in.stress);
   fill_at_random(generator, in.history);
   fill_at_random(generator, in.f);
   fill_at_random(generator, in.w);
@@ -90,6 +91,8 @@ template <int dim>
 SpaceTimeValues<dim, double> slab() {
   std::mt19937 generator(7);
   SpaceTimeValues<dim, double> in;
+  fill_at_random(generator, in.stress_n);
+  fill_at_random(generator, in.stress_np1);
   fill_at_random(generator, in.u_n);
   fill_at_random(generator, in.f_n);
   fill_at_random(generator, in.f_np1);
@@ -147,6 +150,8 @@ TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
   fill(batch.f_n, in.f_n);
   fill(batch.f_np1, in.f_np1);
   fill(batch.w, in.w);
+  fill(batch.stress_n, in.stress_n);
+  fill(batch.stress_np1, in.stress_np1);
   Batch r8[4][8];
   const auto ignore = [](int, int, const auto*) {};
   space_time_element<false>(batch, parameters, StandardCoefficients{parameters}, r8, ignore);
@@ -157,6 +162,7 @@ TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
         for (double& value : row) value *= 1 + 0.01 * l;
     };
     scale(one.x_n), scale(one.x_np1), scale(one.u_n), scale(one.f_n), scale(one.f_np1), scale(one.w);
+    scale(one.stress_n), scale(one.stress_np1);
     double r[4][8];
     space_time_element<false>(one, parameters, StandardCoefficients{parameters}, r, ignore);
     for (int a = 0; a < 4; ++a)

@@ -11,7 +11,8 @@
 /// Observed orders with the step proportional to the element size, on a mesh at rest and on one whose nodes,
 /// those of the boundary included, jump at random in every step. Velocities are compared at the end of the
 /// last step, the pressure of a slab in its middle, where it does not suffer from the viscous term that
-/// linear elements leave out of the time-weighted residual (fluid.proto, time_weight).
+/// linear elements leave out of the time-weighted residual (fluid.proto, time_weight); with that term
+/// recovered (viscous_residual), at its end as well.
 namespace drogue::fluid::test {
 namespace {
 
@@ -88,6 +89,13 @@ Problem plane_manufactured() {
   return p;
 }
 
+Problem with_viscous_residual() {
+  auto problem = plane_manufactured();
+  problem.settings.viscous_residual = true;
+  problem.settings.newton.max_iterations = 30; // the tangent leaves the term out
+  return problem;
+}
+
 /// u = g (sin y cos z, sin z cos x, sin x cos y), Laplacian u = -2 u, p = g sin(x + 2y - z).
 Problem box_manufactured() {
   const std::string g = "(1+0.5*sin(2*t))";
@@ -151,7 +159,8 @@ void verify_orders(const std::string& name, const Problem& problem, const StepSc
                    double shake) {
   const Errors coarse = errors(problem, scheme, n, shake);
   const Errors fine = errors(problem, scheme, 2 * n, shake);
-  const bool slab = scheme.formulation == Formulation::dsd_sst && problem.settings.time_weight;
+  const bool slab = scheme.formulation == Formulation::dsd_sst && problem.settings.time_weight &&
+                    !problem.settings.viscous_residual;
   verify_between(name + level, "velocity_order", std::log2(coarse.velocity / fine.velocity), 1.9, 2.9);
   if (slab)
     verify_between(name + level, "pressure_order_in_slab",
@@ -166,8 +175,19 @@ TEST(PlaneManufactured, FixedMesh) {
 TEST(PlaneManufactured, MovingMesh) {
   verify_orders("fluid/manufactured_2d_moving", plane_manufactured(), space_time, plane_cells, 0.1);
 }
+/// 0.02 is a viscosity at which the missing viscous term shows: without it the orders are 1.84 to 1.94 in
+/// velocity, 1.56 to 1.85 in pressure.
 TEST(PlaneManufactured, SemiDiscrete) {
-  verify_orders("fluid/manufactured_2d_semi_discrete", plane_manufactured(), semi_discrete, plane_cells, 0);
+  verify_orders("fluid/manufactured_2d_semi_discrete", with_viscous_residual(), semi_discrete, plane_cells,
+                0);
+}
+TEST(PlaneManufactured, ViscousResidual) {
+  verify_orders("fluid/manufactured_2d_viscous_residual", with_viscous_residual(), space_time, plane_cells,
+                0);
+}
+TEST(PlaneManufactured, ViscousResidualOnAMovingMesh) {
+  verify_orders("fluid/manufactured_2d_viscous_residual_moving", with_viscous_residual(), space_time,
+                plane_cells, 0.1);
 }
 TEST(PlaneManufactured, WithoutTimeWeight) {
   auto problem = plane_manufactured();
