@@ -27,7 +27,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/drogueConfigVersion.cmake C
 install(FILES ${CMAKE_BINARY_DIR}/drogueConfig.cmake ${CMAKE_BINARY_DIR}/drogueConfigVersion.cmake
         DESTINATION ${drogue_package} COMPONENT participant)
 
-install(FILES participant/c/drogue_participant.h DESTINATION ${drogue_headers} COMPONENT participant)
+install(FILES participant/c/drogue_participant.h participant/c/drogue_participant.f90 DESTINATION ${drogue_headers} COMPONENT participant)
 install(FILES participant/cpp/participant.hpp DESTINATION ${drogue_headers}/participant/cpp COMPONENT participant)
 install(FILES common/base/result.hpp DESTINATION ${drogue_headers}/common/base COMPONENT participant)
 install(FILES ${CMAKE_BINARY_DIR}/proto/drogue/v1/wire.pb.h DESTINATION ${drogue_headers}/drogue/v1 COMPONENT participant)

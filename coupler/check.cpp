@@ -71,8 +71,8 @@ void check_config(const ParticipantSettings& p, const std::filesystem::path& pro
 }
 
 void check_participants(const CaseSettings& settings, config::Report& report) {
-  for (const ParticipantSettings* p : {&settings.fluid, &settings.structure, &settings.mesh_mover}) {
-    if (p->command.empty()) continue; // reported as missing
+  for (const ParticipantSettings* p : participants_of(settings)) {
+    if (p->command.empty() || p->by_hand) continue; // reported as missing; perhaps of another machine
     const auto program = launcher::find_program(p->command);
     if (!program)
       report.error(p->command_position, fmt::format("{}.command: {}", p->name, program.error().message));

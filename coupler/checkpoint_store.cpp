@@ -90,7 +90,11 @@ Result<v1::CheckpointManifest> parse(const fs::path& file) {
 }
 
 Result<void> check_file(const fs::path& folder, const v1::CheckpointManifest::File& file) {
-  const fs::path path = folder / file.path();
+  const fs::path inside = fs::path(file.path()).lexically_normal();
+  if (inside.empty() || inside.is_absolute() || *inside.begin() == "..")
+    return config_error("{}: the manifest names \"{}\", which is no file of the checkpoint", folder.string(),
+                        file.path());
+  const fs::path path = folder / inside;
   std::error_code failure;
   const auto size = fs::file_size(path, failure);
   if (failure) return config_error("{}: {}", path.string(), failure.message());

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "common/base/result.hpp"
 #include "coupler/checkpoint_store.hpp"
@@ -37,7 +38,7 @@ class Checkpoints {
   std::filesystem::path directory_;
   CheckpointStore store_;
   std::vector<Input> inputs_;
-  std::uint64_t last_step_ = 0; ///< of the last checkpoint written or restored; 0: none
+  std::optional<std::uint64_t> last_step_; ///< of the last checkpoint written or restored
   double last_time_ = 0;
   Clock::time_point last_at_ = Clock::now();
 };

@@ -12,7 +12,9 @@
 #include "coupler/conform/conform.hpp"
 #include "coupler/conform/report.hpp"
 #include "coupler/project/project.hpp"
+#include "coupler/record/replay.hpp"
 #include "coupler/run.hpp"
+#include "participant/cpp/keys.hpp"
 
 namespace drogue::coupler {
 namespace {
@@ -36,12 +38,14 @@ int report(const Result<void>& outcome) {
   return exit_status(outcome.error());
 }
 
-int run(const std::string& file) {
+int run(const std::string& file, bool record) {
   config::Report errors;
   const CaseSettings settings = check_case(file, errors);
   if (!errors.ok()) return fail(errors.as_error());
-  return report(run_case(settings));
+  return report(run_case(settings, record));
 }
+
+constexpr const char* record_help = "keep every message in RUN_DIR/record, for coupler replay";
 
 CLI::App* add_resume(CLI::App& app, Resume& resume, bool& verbose) {
   CLI::App* command = app.add_subcommand("resume", "continue a run from its newest checkpoint");
@@ -50,6 +54,7 @@ CLI::App* add_resume(CLI::App& app, Resume& resume, bool& verbose) {
   command->add_flag("--accept-changes", resume.accept_changes,
                     "continue although configs or meshes have changed since the checkpoint");
   command->add_flag("-v,--verbose", verbose, "log every coupling iteration");
+  command->add_flag("--record", resume.record, record_help);
   return command;
 }
 
@@ -137,14 +142,61 @@ CLI::App* add_conform(CLI::App& app, ConformCommand& c) {
   return command;
 }
 
-/// What follows the first "--" of `coupler conform ... -- PROGRAM ARGUMENTS`; argc is cut there.
+/// What follows the first "--" of `coupler conform ... -- PROGRAM ARGUMENTS`, and of replay; argc is cut
+/// there.
 std::vector<std::string> cut_command(int& argc, char** argv) {
-  if (argc < 2 || std::string_view(argv[1]) != "conform") return {};
+  const std::string_view first = argc < 2 ? "" : argv[1];
+  if (first != "conform" && first != "replay") return {};
   char** const end = argv + argc;
   char** const dashes = std::find_if(argv, end, [](const char* a) { return std::string_view(a) == "--"; });
   if (dashes == end) return {};
   argc = static_cast<int>(dashes - argv);
   return {dashes + 1, end};
+}
+
+CLI::App* add_replay(CLI::App& app, ReplayCommand& c) {
+  CLI::App* command = app.add_subcommand(
+      "replay", "play the coupler's side of a recorded run to one participant, and compare its answers");
+  command->add_option("RECORD", c.record, "RUN_DIR/record/NAME.record, of coupler run --record")->required();
+  command->add_option("COMMAND", c.command, "after --: the participant's program and its arguments");
+  command->add_option("--folder", c.folder, "of logs and results")->capture_default_str();
+  command->add_option("--deadline", c.deadline, "longest wait for an answer [seconds]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  return command;
+}
+
+int replay_record(const ReplayCommand& command) {
+  if (command.command.empty())
+    return fail(config_error("replay needs a program: coupler replay RECORD -- PROGRAM ARGUMENTS"));
+  if (const auto outcome = replay(command); !outcome) return fail(outcome.error());
+  return 0;
+}
+
+struct KeygenCommand {
+  std::vector<std::string> names;
+  std::string folder = ".";
+};
+
+CLI::App* add_keygen(CLI::App& app, KeygenCommand& c) {
+  CLI::App* command = app.add_subcommand(
+      "keygen",
+      "make key pairs for participants on other machines: NAME.key to keep secret, NAME.pub for the case");
+  command->add_option("NAME", c.names, "whose, e.g. coupler fluid")->required();
+  command->add_option("--folder", c.folder, "where the files go")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  return command;
+}
+
+int make_keys(const KeygenCommand& command) {
+  for (const std::string& name : command.names) {
+    const auto pair = keys::make();
+    if (!pair) return fail(pair.error());
+    if (const auto written = keys::write(command.folder, name, *pair); !written) return fail(written.error());
+    fmt::print("{}/{}.key and .pub, public key {}\n", command.folder, name, pair->public_half);
+  }
+  return 0;
 }
 
 int conform_to_protocol(const ConformCommand& command) {
@@ -162,10 +214,11 @@ int command_line(int argc, char** argv) {
       "Leads a partitioned fluid-structure simulation: starts the solvers, iterates, projects, writes.");
   app.require_subcommand(1);
   std::string file;
-  bool verbose = false;
+  bool verbose = false, record = false;
   CLI::App* run_command = app.add_subcommand("run", "run a case");
   run_command->add_option("CASE", file, "the case file (*.textproto)")->required();
   run_command->add_flag("-v,--verbose", verbose, "log every coupling iteration");
+  run_command->add_flag("--record", record, record_help);
   CLI::App* check_command =
       app.add_subcommand("check", "check every config of a case, without running anything");
   check_command->add_option("CASE", file, "the case file (*.textproto)")->required();
@@ -178,18 +231,26 @@ int command_line(int argc, char** argv) {
   ConformCommand conformance;
   const std::vector<std::string> subject = cut_command(argc, argv);
   const CLI::App* conform_command = add_conform(app, conformance);
+  ReplayCommand repetition;
+  repetition.folder = "replay";
+  const CLI::App* replay_command = add_replay(app, repetition);
+  KeygenCommand new_keys;
+  const CLI::App* keygen_command = add_keygen(app, new_keys);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : static_cast<int>(ErrorKind::config);
   }
   conformance.command.insert(conformance.command.end(), subject.begin(), subject.end());
+  repetition.command.insert(repetition.command.end(), subject.begin(), subject.end());
+  if (*replay_command) return replay_record(repetition);
+  if (*keygen_command) return make_keys(new_keys);
   if (*conform_command) return conform_to_protocol(conformance);
   if (*project_command) return project_field(projection);
   if (verbose) spdlog::set_level(spdlog::level::debug);
   if (*check_command) return check(file);
   if (*checkpoint_command) return checkpoint(wanted);
-  return *resume_command ? report(resume_run(resume)) : run(file);
+  return *resume_command ? report(resume_run(resume)) : run(file, record);
 }
 
 } // namespace drogue::coupler

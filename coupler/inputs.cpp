@@ -59,7 +59,7 @@ void add_config(const fs::path& config, Hashes& hashes) {
 
 std::vector<Input> inputs_of(const CaseSettings& settings) {
   Hashes hashes;
-  for (const ParticipantSettings* p : {&settings.fluid, &settings.structure, &settings.mesh_mover}) {
+  for (const ParticipantSettings* p : participants_of(settings)) {
     if (is_file(p->config)) add_config(p->config, hashes);
     for (const std::string& argument : p->arguments)
       if (fs::path(argument).is_absolute() && is_file(argument)) add(argument, hashes);

@@ -25,19 +25,40 @@ std::vector<std::string> participant_environment(const ParticipantSettings& p) {
 }
 
 Result<std::vector<std::string>> run_command(const ParticipantSettings& p, const std::string& endpoint) {
-  const auto program = launcher::find_program(p.command);
-  if (!program) return Error{ErrorKind::config, fmt::format("{}: {}", p.name, program.error().message)};
+  const auto find = [&](const std::string& name) -> Result<std::string> {
+    if (p.by_hand) return name;
+    const auto program = launcher::find_program(name);
+    if (!program) return Error{ErrorKind::config, fmt::format("{}: {}", p.name, program.error().message)};
+    return program->string();
+  };
+  const auto program = find(p.command);
+  if (!program) return program.error();
   std::vector<std::string> a;
   if (p.ranks > 1) {
-    const auto mpiexec = launcher::find_program("mpiexec");
+    const auto mpiexec = find("mpiexec");
     if (!mpiexec) return mpiexec.error();
-    a = {mpiexec->string(), "-n", std::to_string(p.ranks), "--oversubscribe", "--bind-to", "none"};
+    a = {*mpiexec, "-n", std::to_string(p.ranks), "--oversubscribe", "--bind-to", "none"};
   }
-  a.push_back(program->string());
+  a.push_back(*program);
   if (!p.config.empty()) a.insert(a.end(), {"run", p.config.string()});
   a.insert(a.end(), p.arguments.begin(), p.arguments.end());
   a.insert(a.end(), {"--connect", endpoint});
   return a;
+}
+
+std::string shell_line(const std::vector<std::string>& environment,
+                       const std::vector<std::string>& arguments) {
+  constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
+  std::string line = "env";
+  for (const auto* words : {&environment, &arguments})
+    for (const std::string& word : *words) {
+      std::string quoted = word;
+      for (std::size_t at = quoted.find('\''); at != std::string::npos; at = quoted.find('\'', at + 4))
+        quoted.replace(at, 1, "'\\''");
+      const bool is_plain = !word.empty() && word.find_first_not_of(plain) == std::string::npos;
+      line += is_plain ? " " + word : " '" + quoted + "'";
+    }
+  return line;
 }
 
 } // namespace drogue::coupler

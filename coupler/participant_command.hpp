@@ -16,8 +16,13 @@ namespace drogue::coupler {
 [[nodiscard]] std::vector<std::string> participant_environment(const ParticipantSettings& p);
 
 /// PROGRAM run CONFIG or PROGRAM ARGUMENTS, with --connect ENDPOINT; under mpiexec when it has several ranks.
-/// Errors (ErrorKind::config): there is no such program.
+/// One that is started by hand is named as the case names it. Errors (ErrorKind::config): there is no such
+/// program.
 [[nodiscard]] Result<std::vector<std::string>> run_command(const ParticipantSettings& p,
                                                            const std::string& endpoint);
+
+/// What somebody types into a shell to run `arguments` with `environment`.
+[[nodiscard]] std::string shell_line(const std::vector<std::string>& environment,
+                                     const std::vector<std::string>& arguments);
 
 } // namespace drogue::coupler

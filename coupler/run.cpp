@@ -13,6 +13,7 @@
 #include "coupler/checkpoints.hpp"
 #include "coupler/healing.hpp"
 #include "coupler/inputs.hpp"
+#include "coupler/record/recorder.hpp"
 #include "coupler/run_directory.hpp"
 #include "coupler/scheme/step_loop.hpp"
 #include "coupler/stop.hpp"
@@ -68,7 +69,7 @@ void summarise(const LoopTotals& totals, Participants& participants, double seco
                std::max(0.0, seconds - everyone));
   std::string memory;
   for (const auto& peer : participants.hub().peers())
-    memory += fmt::format("{} {:.0f} MB, ", peer->name, peer->peak_memory_mb());
+    if (peer->process) memory += fmt::format("{} {:.0f} MB, ", peer->name, peer->peak_memory_mb());
   spdlog::info("peak memory: {}coupler {:.0f} MB", memory, launcher::peak_memory_mb(getpid()));
 }
 
@@ -76,6 +77,7 @@ struct Case {
   const CaseSettings& settings;
   const fs::path& directory;
   Start start;
+  bool record = false;
 };
 
 std::string how_to_resume(const fs::path& directory) {
@@ -112,7 +114,7 @@ Result<std::uint64_t> run_steps(const Case& c, Participants& participants, std::
     progress.step(static_cast<int>(done), time(done), loop->totals().iterations - before, loop->last());
     DROGUE_TRY(checkpoints.after_step(done, time(done)));
   }
-  if (done < last && done > 0) DROGUE_TRY(checkpoints.write(done, time(done)));
+  if (done < last) DROGUE_TRY(checkpoints.write(done, time(done)));
   summarise(loop->totals(), participants, std::chrono::duration<double>(Clock::now() - start).count());
   return done;
 }
@@ -120,7 +122,10 @@ Result<std::uint64_t> run_steps(const Case& c, Participants& participants, std::
 /// The solvers' part of a run: from their start to their end.
 Result<void> launch_and_run(const Case& c) {
   std::vector<Input> inputs = inputs_of(c.settings);
-  auto participants = Participants::launch(c.settings, c.directory, c.start.resumed);
+  std::optional<record::Recorder> recorder;
+  if (c.record) recorder.emplace(c.directory);
+  auto participants =
+      Participants::launch(c.settings, c.directory, c.start.resumed, recorder ? &*recorder : nullptr);
   if (!participants) return participants.error();
   const auto done = run_steps(c, **participants, std::move(inputs));
   stop::set_orderly(false);
@@ -130,7 +135,6 @@ Result<void> launch_and_run(const Case& c) {
   }
   DROGUE_TRY((*participants)->hub().shut_down(launcher::Seconds(c.settings.deadlines.shutdown)));
   if (*done == static_cast<std::uint64_t>(c.settings.steps)) return {};
-  if (*done == 0) return Error{ErrorKind::interrupted, "stopped by a signal before a step was done"};
   return Error{ErrorKind::interrupted, fmt::format("stopped by a signal after step {} of {}; {}", *done,
                                                    c.settings.steps, how_to_resume(c.directory))};
 }
@@ -176,7 +180,7 @@ Result<void> accept(const Manifest& manifest, const CaseSettings& settings, bool
 
 } // namespace
 
-Result<void> run_case(const CaseSettings& settings) {
+Result<void> run_case(const CaseSettings& settings, bool record) {
   stop::catch_signals();
   const auto held = RunDirectory::create(settings.run_directory);
   if (!held) return held.error();
@@ -185,7 +189,7 @@ Result<void> run_case(const CaseSettings& settings) {
   std::error_code ignored;
   fs::copy_file(settings.file, directory / settings.file.filename(), ignored);
   spdlog::info("case \"{}\" in {}", settings.name, directory.string());
-  return run({settings, directory, {}});
+  return run({settings, directory, {}, record});
 }
 
 Result<void> resume_run(const Resume& resume) {
@@ -206,7 +210,7 @@ Result<void> resume_run(const Resume& resume) {
     spdlog::info("nothing is left to do: {} has {} steps", settings.file.string(), settings.steps);
     return {};
   }
-  return run({settings, directory, {manifest->step, true}});
+  return run({settings, directory, {manifest->step, true}, resume.record});
 }
 
 } // namespace drogue::coupler

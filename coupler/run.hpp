@@ -13,13 +13,15 @@ namespace drogue::coupler {
 /// A whole coupled run: run directory, launch, steps, summary. SIGINT and SIGTERM end it with a checkpoint
 /// and ErrorKind::interrupted. Whatever the outcome, no process is left behind and every result written
 /// stays.
-[[nodiscard]] Result<void> run_case(const CaseSettings& settings);
+/// @param record keep every message in RUN/record
+[[nodiscard]] Result<void> run_case(const CaseSettings& settings, bool record = false);
 
 /// How to go on with an earlier run.
 struct Resume {
   std::filesystem::path run_directory;
   std::optional<std::uint64_t> step; ///< from the checkpoint of this step; absent: from the newest
   bool accept_changes = false;       ///< of configs and meshes since the checkpoint
+  bool record = false;               ///< keep every message in RUN/record
 };
 
 /// Continues a run from a checkpoint: the rest is, to the bit, what it would have been. One that was cut

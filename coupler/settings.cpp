@@ -8,6 +8,7 @@
 
 #include "common/base/hash.hpp"
 #include "drogue/v1/coupler.pb.h"
+#include "participant/cpp/keys.hpp"
 
 namespace drogue::coupler {
 namespace {
@@ -53,6 +54,14 @@ ParticipantSettings participant(const v1::ParticipantConfig& p, const std::strin
   for (const std::string& a : p.argument()) s.arguments.push_back(with_config_dir(a, folder));
   if (p.has_config()) s.config = std::filesystem::absolute(source.resolve(p.config()));
   s.ranks = p.ranks();
+  s.by_hand = p.launch() == v1::ParticipantConfig::NONE;
+  if (p.has_public_key()) s.public_key = std::filesystem::absolute(source.resolve(p.public_key()));
+  s.directory = p.directory();
+  if (!s.by_hand && (p.has_public_key() || p.has_directory()))
+    report.error(source.where(name + (p.has_public_key() ? ".public_key" : ".directory")),
+                 "this goes with launch NONE alone");
+  if (p.has_directory() && !s.directory.is_absolute())
+    report.error(source.where(name + ".directory"), fmt::format("\"{}\" is not absolute", p.directory()));
   for (int i = 0; i < p.environment_size(); ++i) {
     s.environment.push_back(p.environment(i));
     if (p.environment(i).find('=') == std::string::npos || p.environment(i).front() == '=')
@@ -62,6 +71,52 @@ ParticipantSettings participant(const v1::ParticipantConfig& p, const std::strin
   if (p.has_config() == (p.argument_size() > 0))
     report.error(source.where(name), name + " needs either a config (one of Drogue's solvers) or arguments");
   return s;
+}
+
+bool is_tcp(const std::string& endpoint) {
+  const std::string start = "tcp://";
+  const std::size_t colon = endpoint.rfind(':');
+  if (endpoint.rfind(start, 0) != 0 || colon <= start.size()) return false;
+  const std::string port = endpoint.substr(colon + 1);
+  return port == "*" || (!port.empty() && port.find_first_not_of("0123456789") == std::string::npos &&
+                         port.size() <= 5 && std::stoi(port) <= 65535);
+}
+
+NetworkSettings network(const v1::Network& n, const config::Source& source, config::Report& report) {
+  NetworkSettings s{n.endpoint(), n.connect(), {}};
+  if (!is_tcp(s.endpoint))
+    report.error(source.where("network.endpoint"),
+                 fmt::format("\"{}\" is not of the form tcp://HOST:PORT", s.endpoint));
+  else if (!n.has_key() && !keys::stays_on_this_machine(s.endpoint))
+    report.error(
+        source.where("network.endpoint"),
+        fmt::format(
+            "{} can be reached from other machines: network.key is needed (coupler keygen makes one), "
+            "or a loopback address, tcp://127.0.0.1:PORT",
+            s.endpoint));
+  if (!s.connect.empty() && !is_tcp(s.connect))
+    report.error(source.where("network.connect"),
+                 fmt::format("\"{}\" is not of the form tcp://HOST:PORT", s.connect));
+  if (n.has_key()) s.key = std::filesystem::absolute(source.resolve(n.key()));
+  return s;
+}
+
+/// Keys go together, and are keys.
+void check_keys(const CaseSettings& s, const config::Source& source, config::Report& report) {
+  std::error_code failure;
+  if (std::filesystem::is_regular_file(s.network.key, failure))
+    if (const auto own = keys::read_pair(s.network.key); !own)
+      report.error(source.where("network.key"), own.error().message);
+  for (const ParticipantSettings* p : participants_of(s)) {
+    if (!p->by_hand) continue;
+    if (p->public_key.empty() != s.network.key.empty())
+      report.error(source.where(p->name),
+                   fmt::format("{}.public_key and network.key go together: {} is missing", p->name,
+                               p->public_key.empty() ? "the first" : "the second"));
+    if (std::filesystem::is_regular_file(p->public_key, failure))
+      if (const auto key = keys::read_public(p->public_key); !key)
+        report.error(source.where(p->name + ".public_key"), key.error().message);
+  }
 }
 
 LoopSettings loop(const v1::CouplingLoop& l, const config::Source& source, config::Report& report) {
@@ -102,6 +157,12 @@ std::string hash_of(v1::CaseConfig c) {
   c.clear_deadlines();
   c.clear_checkpoints();
   c.clear_healing();
+  c.clear_network();
+  for (v1::ParticipantConfig* p : {c.mutable_fluid(), c.mutable_structure(), c.mutable_mesh_mover()}) {
+    p->clear_launch();
+    p->clear_public_key();
+    p->clear_directory();
+  }
   c.mutable_time()->clear_steps();
   std::string text;
   google::protobuf::TextFormat::PrintToString(c, &text);
@@ -115,12 +176,16 @@ constexpr int default_restarts = 3;
 /// Whether all participants are programs of Drogue's own, known to do the same again after a restart.
 bool all_built_in(const CaseSettings& s) {
   const auto is = [](const ParticipantSettings& p, const char* program) {
-    return std::filesystem::path(p.command).filename() == program;
+    return !p.by_hand && std::filesystem::path(p.command).filename() == program;
   };
   return is(s.fluid, "fluid_solver") && is(s.structure, "structure_solver") && is(s.mesh_mover, "mesh_mover");
 }
 
 } // namespace
+
+std::array<const ParticipantSettings*, 3> participants_of(const CaseSettings& settings) {
+  return {&settings.fluid, &settings.structure, &settings.mesh_mover};
+}
 
 CaseSettings load_case(const std::filesystem::path& file, config::Report& report) {
   v1::CaseConfig c;
@@ -141,9 +206,11 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.projection = {p.largest_gap(), p.quadrature_order(), p.largest_unmatched_area(),
                   p.largest_normal_angle()};
   const v1::Deadlines& d = c.deadlines();
-  s.deadlines = {d.connect(), d.initialize(), d.iterate(), d.other(), d.shutdown()};
+  s.deadlines = {d.connect(), d.initialize(), d.iterate(), d.other(), d.shutdown(), d.by_hand()};
   const v1::Checkpoints& k = c.checkpoints();
   s.checkpoints = {k.steps(), k.time(), k.wall_clock(), k.keep()};
+  s.network = network(c.network(), source, report);
+  check_keys(s, source, report);
   s.restarts = c.healing().has_restarts() ? c.healing().restarts() : all_built_in(s) ? default_restarts : 0;
   s.hash = hash_of(c);
   if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);

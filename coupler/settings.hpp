@@ -24,6 +24,16 @@ struct ParticipantSettings {
   std::filesystem::path config; ///< empty for a participant with arguments of its own
   int ranks = 1;
   std::vector<std::string> environment;
+  bool by_hand = false;             ///< somebody else starts it
+  std::filesystem::path public_key; ///< file; empty: none
+  std::filesystem::path directory;  ///< by hand: for its results, on its machine; empty: RUN/NAME
+};
+
+/// Where participants that are started by hand connect.
+struct NetworkSettings {
+  std::string endpoint;
+  std::string connect;       ///< empty: the endpoint
+  std::filesystem::path key; ///< file; empty: none
 };
 
 struct LoopSettings {
@@ -47,6 +57,7 @@ struct DeadlineSettings {
   double iterate = 600;
   double other = 120;
   double shutdown = 10;
+  double by_hand = 3600;
 };
 
 /// When checkpoints are written; 0: not for that reason.
@@ -71,12 +82,16 @@ struct CaseSettings {
   projection::Settings projection;
   DeadlineSettings deadlines;
   CheckpointSettings checkpoints;
+  NetworkSettings network;
   int restarts = 0; ///< after the death or silence of a participant, at most
   config::Expression load_factor;
   bool outer_boundary_follows = true;
   std::array<double, 3> drag_weights{}; ///< cd = weights . F; zero without a reference
   std::string hash;                     ///< of all that changes results, see CheckpointManifest.case_file
 };
+
+/// All participants; pointers into the settings.
+[[nodiscard]] std::array<const ParticipantSettings*, 3> participants_of(const CaseSettings& settings);
 
 /// Reads and checks a case file. All errors land in `report`; what could be read is returned in any case.
 [[nodiscard]] CaseSettings load_case(const std::filesystem::path& file, config::Report& report);

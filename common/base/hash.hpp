@@ -26,7 +26,7 @@ class Hash {
   std::uint64_t state_ = 14695981039346656037ULL;
 };
 
-/// CRC-32 (ISO-HDLC, as zlib): the checksum of array frames.
-[[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes);
+/// CRC-32 (ISO-HDLC, as zlib): the checksum of array frames. `before`: that of the bytes before these.
+[[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
 } // namespace drogue

@@ -11,8 +11,8 @@ namespace drogue::mesh {
 /// Reads a mesh with Gmsh (.msh 2.2 and 4.1 and whatever else Gmsh opens). Every element must belong to a
 /// named physical group of its dimension; nodes keep the file's order; NodeData views become node fields.
 ///
-/// Errors (ErrorKind::config): the file cannot be opened, holds no elements in named groups, an element kind
-/// that Drogue does not know, or nodes that no element uses.
+/// Errors (ErrorKind::config): the file cannot be opened, is called .msh and is none, holds no elements in
+/// named groups, an element kind that Drogue does not know, or nodes that no element uses.
 [[nodiscard]] Result<Mesh> read_msh(const std::filesystem::path& file);
 
 /// Writes MSH 4.1 (binary) with physical groups for every group of the mesh and one NodeData section a node

@@ -264,7 +264,12 @@ class Reader {
 Result<Mesh> read_msh(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file))
     return config_error("{}: there is no such file", file.string());
-  if (!std::ifstream(file)) return config_error("{}: the file cannot be read", file.string());
+  std::ifstream stream(file);
+  if (!stream) return config_error("{}: the file cannot be read", file.string());
+  // Gmsh takes a file that does not begin as one of its formats do for a script, and runs it.
+  std::string first;
+  if (file.extension() == ".msh" && !(stream >> first && first == "$MeshFormat"))
+    return config_error("{}: it does not begin with $MeshFormat: no mesh file", file.string());
   const GmshSession session;
   try {
     return Reader(file, session).read();

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <thread>
 
 #include <fmt/ranges.h>
@@ -53,10 +54,15 @@ bool unfit(const Exit& exit) {
          exit.status == static_cast<int>(ErrorKind::numerical);
 }
 
+/// Signs of life of connections from elsewhere.
+constexpr int heartbeat_interval = 10000, heartbeat_deadline = 60000; // ms
+
+/// "; the end of its log FILE: ...", or nothing for a participant that somebody else started.
 std::string log_tail(const Peer& peer) {
+  if (!peer.process) return "";
   const auto lines = last_lines(peer.log_file, culprit_log_lines);
-  if (lines.empty()) return fmt::format("(its log {} is empty)", peer.log_file.string());
-  return fmt::format("the end of its log {}:\n  | {}", peer.log_file.string(), fmt::join(lines, "\n  | "));
+  if (lines.empty()) return fmt::format("; (its log {} is empty)", peer.log_file.string());
+  return fmt::format("; the end of its log {}:\n  | {}", peer.log_file.string(), fmt::join(lines, "\n  | "));
 }
 
 } // namespace
@@ -74,6 +80,10 @@ double Peer::peak_memory_mb() const {
   return sum;
 }
 
+std::string Peer::text() const {
+  return process ? fmt::format("{} (pid {})", name, process->pid()) : name + " (started by hand)";
+}
+
 void Hub::interrupt() noexcept {
   interrupted_flag = true;
 }
@@ -81,26 +91,58 @@ bool Hub::interrupted() noexcept {
   return interrupted_flag;
 }
 
-Result<std::unique_ptr<Hub>> Hub::create(std::string run_id) {
-  std::unique_ptr<Hub> hub(new Hub(std::move(run_id)));
+Result<std::unique_ptr<Hub>> Hub::create(std::string run_id, const Door& door, Witness* witness) {
+  std::unique_ptr<Hub> hub(new Hub(std::move(run_id), witness));
+  DROGUE_TRY(hub->open(door));
+  return hub;
+}
+
+Result<void> Hub::open(const Door& door) {
   // A short path of our own: ipc paths hold at most 107 bytes, and nobody else may enter the folder.
   std::string folder = (std::filesystem::temp_directory_path() / "drogue-XXXXXX").string();
   if (!mkdtemp(folder.data())) return internal_error("cannot make a folder for the socket in {}", folder);
-  hub->socket_folder_ = folder;
+  socket_folder_ = folder;
+  endpoint_ = fmt::format("ipc://{}/coupler", folder);
   try {
-    hub->router_ = zmq::socket_t(hub->context_, zmq::socket_type::router);
-    wire::prepare(hub->router_);
-    hub->router_.set(zmq::sockopt::router_mandatory, true); // unroutable messages are errors, not dropped
-    hub->endpoint_ = fmt::format("ipc://{}/coupler", folder);
-    hub->router_.bind(hub->endpoint_);
+    router_ = zmq::socket_t(context_, zmq::socket_type::router);
+    wire::prepare(router_);
+    router_.set(zmq::sockopt::router_mandatory, true); // unroutable messages are errors, not dropped
+    router_.bind(endpoint_);
   } catch (const zmq::error_t& e) {
-    return internal_error("cannot listen at {}: {}", hub->endpoint_, e.what());
+    return internal_error("cannot listen at {}: {}", endpoint_, e.what());
   }
-  return hub;
+  return door.endpoint.empty() ? Result<void>() : open_door(door);
+}
+
+/// A second address of the same socket: what is set from here on concerns connections to it alone.
+Result<void> Hub::open_door(const Door& door) {
+  if (!door.key && !keys::stays_on_this_machine(door.endpoint))
+    return config_error("{} can be reached from other machines: it needs a key", door.endpoint);
+  has_keys_ = door.key.has_value();
+  if (has_keys_) DROGUE_TRY(authenticator_.open(context_, door.allowed));
+  try {
+    if (zmq_socket_monitor(router_.handle(), "inproc://connections", ZMQ_EVENT_DISCONNECTED) != 0)
+      return internal_error("cannot watch connections: {}", zmq_strerror(zmq_errno()));
+    monitor_ = zmq::socket_t(context_, zmq::socket_type::pair);
+    monitor_.connect("inproc://connections");
+    router_.set(zmq::sockopt::heartbeat_ivl, heartbeat_interval);
+    router_.set(zmq::sockopt::heartbeat_timeout, heartbeat_deadline);
+    if (has_keys_) {
+      router_.set(zmq::sockopt::zap_domain, "drogue");
+      router_.set(zmq::sockopt::curve_server, true);
+      router_.set(zmq::sockopt::curve_secretkey, door.key->secret_half);
+    }
+    router_.bind(door.endpoint);
+    door_endpoint_ = router_.get(zmq::sockopt::last_endpoint);
+  } catch (const zmq::error_t& e) {
+    return config_error("cannot listen at {}: {}", door.endpoint, e.what());
+  }
+  return {};
 }
 
 Hub::~Hub() {
   peers_.clear(); // kills whatever is left
+  if (monitor_) zmq_socket_monitor(router_.handle(), nullptr, 0);
   router_.close();
   std::error_code ignored;
   if (!socket_folder_.empty()) std::filesystem::remove_all(socket_folder_, ignored);
@@ -115,6 +157,12 @@ Result<Peer*> Hub::start(const std::string& name, const Command& command) {
   peer->process = std::move(*process);
   peer->asked_at = steady_clock::now();
   peers_.push_back(std::move(peer));
+  return peers_.back().get();
+}
+
+Peer* Hub::expect(const std::string& name) {
+  peers_.push_back(std::make_unique<Peer>());
+  peers_.back()->name = name;
   return peers_.back().get();
 }
 
@@ -143,11 +191,17 @@ Result<void> Hub::post(Peer& peer, wire::Message request) {
   peer.beat.reset();
   peer.answer.reset();
   peer.asked_at = steady_clock::now();
-  if (const auto sent = wire::send(router_, peer.name, request, send_deadline); !sent) {
+  if (const auto sent = send(peer, std::move(request), send_deadline); !sent) {
     DROGUE_TRY(check_alive());
     return lost(fmt::format("{}: {}", peer.name, sent.error().message));
   }
   return {};
+}
+
+Result<void> Hub::send(Peer& peer, wire::Message message, std::chrono::milliseconds deadline) {
+  wire::Frames frames = wire::encode(std::move(message));
+  if (witness_) DROGUE_TRY(witness_->sent(peer.name, frames));
+  return wire::send(router_, peer.name, frames, deadline);
 }
 
 Result<wire::Message> Hub::await(Peer& peer, Seconds deadline) {
@@ -179,8 +233,10 @@ Result<wire::Message> Hub::ask(Peer& peer, wire::Message request, Seconds deadli
 
 Result<bool> Hub::turn(steady_clock::time_point deadline) {
   std::vector<zmq::pollitem_t> items{{router_.handle(), 0, ZMQ_POLLIN, 0}};
+  if (has_keys_) items.push_back({authenticator_.socket().handle(), 0, ZMQ_POLLIN, 0});
+  if (monitor_) items.push_back({monitor_.handle(), 0, ZMQ_POLLIN, 0});
   for (const auto& peer : peers_) {
-    items.push_back({nullptr, peer->process->pidfd(), ZMQ_POLLIN, 0});
+    if (peer->process) items.push_back({nullptr, peer->process->pidfd(), ZMQ_POLLIN, 0});
     for (const Watch& rank : peer->ranks) items.push_back({nullptr, rank.pidfd(), ZMQ_POLLIN, 0});
   }
   // Short waits, so that a signal is noticed soon.
@@ -191,38 +247,66 @@ Result<bool> Hub::turn(steady_clock::time_point deadline) {
   } catch (const zmq::error_t& e) {
     if (e.num() != EINTR) return internal_error("cannot poll: {}", e.what());
   }
-  while (true) {
-    auto received = wire::receive(router_, true);
-    if (!received) return received.error();
-    if (!*received) break;
-    DROGUE_TRY(take(std::move((**received).message)));
+  if (has_keys_) authenticator_.answer_all();
+  for (bool more = true; more;) {
+    const auto taken = take_one();
+    if (!taken) return taken.error();
+    more = *taken;
   }
+  if (monitor_) follow_connections();
   if (interrupted()) return Error{ErrorKind::interrupted, "interrupted by a signal"};
   DROGUE_TRY(check_alive());
   return true;
 }
 
-Result<void> Hub::take(wire::Message message) {
-  const v1::Envelope& e = message.envelope;
+/// What a stranger sends is ignored; what a participant sends must be right.
+Result<bool> Hub::take_one() {
+  auto received = wire::take(router_, true);
+  if (!received) return received.error();
+  if (!*received) return false;
+  wire::Parcel parcel = std::move(**received);
   const auto it =
-      std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->name == e.participant(); });
-  if (it == peers_.end() || e.run_id() != run_id_) {
-    spdlog::warn("a message of participant \"{}\", run \"{}\" does not belong here: ignored", e.participant(),
-                 e.run_id());
-    return {};
+      std::find_if(peers_.begin(), peers_.end(), [&](const auto& p) { return p->name == parcel.route; });
+  const bool by_hand = it != peers_.end() && !(**it).process;
+  if (it == peers_.end() || parcel.user != (by_hand && has_keys_ ? parcel.route : "")) {
+    spdlog::warn("a message of somebody who calls himself \"{}\" does not belong here: ignored",
+                 parcel.route);
+    return true;
   }
   Peer& peer = **it;
-  const bool again = e.has_hello() ? peer.state != participant::ProtocolState::connected
-                                   : e.request_id() != 0 && e.request_id() <= peer.answered;
+  auto message = wire::decode(parcel.frames);
+  if (!message) return peer_error("from {}: {}", peer.name, message.error().message);
+  const v1::Envelope& e = message->envelope;
+  if (e.participant() != peer.name || e.run_id() != run_id_) {
+    spdlog::warn("a message of participant \"{}\", run \"{}\" does not belong here: ignored", e.participant(),
+                 e.run_id());
+    return true;
+  }
+  if (witness_) DROGUE_TRY(witness_->received(peer.name, parcel.frames));
+  if (e.has_hello() && peer.state == participant::ProtocolState::connected)
+    DROGUE_TRY(hear_hello(peer, e.hello(), parcel.connection));
+  else
+    DROGUE_TRY(take(peer, std::move(*message)));
+  return true;
+}
+
+Result<void> Hub::hear_hello(Peer& peer, const v1::Hello& hello, int connection) {
+  peer.hello = hello;
+  peer.state = participant::ProtocolState::greeted;
+  peer.connection = connection;
+  if (!peer.process) return {}; // its processes may be another machine's
+  for (const std::int64_t pid : hello.pid()) {
+    if (pid == peer.process->pid()) continue;
+    if (auto rank = Watch::on(static_cast<pid_t>(pid))) peer.ranks.push_back(std::move(*rank));
+  }
+  return {};
+}
+
+Result<void> Hub::take(Peer& peer, wire::Message message) {
+  const v1::Envelope& e = message.envelope;
+  const bool again = e.has_hello() || (e.request_id() != 0 && e.request_id() <= peer.answered);
   if (again) {
     spdlog::warn("{} sent {} again: ignored", peer.name, participant::name(e.body_case()));
-  } else if (e.has_hello()) {
-    peer.hello = e.hello();
-    peer.state = participant::ProtocolState::greeted;
-    for (const std::int64_t pid : e.hello().pid()) {
-      if (pid == peer.process->pid()) continue;
-      if (auto rank = Watch::on(static_cast<pid_t>(pid))) peer.ranks.push_back(std::move(*rank));
-    }
   } else if (e.has_beat()) {
     peer.beat = e.beat();
   } else if (peer.request != 0 && e.request_id() == peer.request) {
@@ -236,34 +320,53 @@ Result<void> Hub::take(wire::Message message) {
   return {};
 }
 
+void Hub::follow_connections() {
+  zmq::message_t event;
+  while (monitor_.recv(event, zmq::recv_flags::dontwait)) {
+    std::int32_t connection = -1; // after two bytes that say which event
+    if (event.size() >= 2 + sizeof connection)
+      std::memcpy(&connection, event.data<char>() + 2, sizeof connection);
+    zmq::message_t address;
+    (void)monitor_.recv(address, zmq::recv_flags::dontwait);
+    for (const auto& peer : peers_)
+      if (!peer->process && peer->connection == connection && connection >= 0) peer->disconnected = true;
+  }
+}
+
 /// A process that ended although nobody told it to is an error, unless its last answer explains it. Ranks
 /// come first: mpiexec only follows them.
 Result<void> Hub::check_alive() {
   for (const auto& peer : peers_) {
     if (peer->answer) continue;
-    const auto rank = std::find_if(peer->ranks.begin(), peer->ranks.end(),
-                                   [](const Watch& watch) { return watch.ended(); });
-    const bool rank_ended = rank != peer->ranks.end();
-    if (!peer->process->poll() && !rank_ended) continue;
-    DROGUE_TRY(take_last_words(*peer));
-    if (peer->answer) continue;
-    if (interrupted()) return Error{ErrorKind::interrupted, "interrupted by a signal"};
-    if (rank_ended) return death(*peer, rank->pid(), "is one of its ranks and ended", true);
-    const Exit& exit = *peer->process->poll();
-    return death(*peer, peer->process->pid(), exit.text(), !unfit(exit));
+    if (peer->process)
+      DROGUE_TRY(check_process(*peer));
+    else if (peer->disconnected)
+      return death(*peer, peer->text(), "closed its connection", true);
   }
   return {};
+}
+
+Result<void> Hub::check_process(Peer& peer) {
+  const auto rank =
+      std::find_if(peer.ranks.begin(), peer.ranks.end(), [](const Watch& watch) { return watch.ended(); });
+  const bool rank_ended = rank != peer.ranks.end();
+  if (!peer.process->poll() && !rank_ended) return {};
+  DROGUE_TRY(take_last_words(peer));
+  if (peer.answer) return {};
+  if (interrupted()) return Error{ErrorKind::interrupted, "interrupted by a signal"};
+  if (rank_ended)
+    return death(peer, fmt::format("{} (pid {})", peer.name, rank->pid()), "is one of its ranks and ended",
+                 true);
+  const Exit& exit = *peer.process->poll();
+  return death(peer, peer.text(), exit.text(), !unfit(exit));
 }
 
 Result<void> Hub::take_last_words(Peer& peer) {
   const auto end = steady_clock::now() + last_message_grace;
   while (!peer.answer && steady_clock::now() < end) {
-    auto received = wire::receive(router_, true);
-    if (!received) return received.error();
-    if (*received)
-      DROGUE_TRY(take(std::move((**received).message)));
-    else
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const auto taken = take_one();
+    if (!taken) return taken.error();
+    if (!*taken) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return {};
 }
@@ -277,46 +380,67 @@ Error Hub::refusal(const Peer& peer) const {
           error.retryable() && kind_of(error.code()) == ErrorKind::numerical};
 }
 
-Error Hub::death(const Peer& peer, pid_t pid, const std::string& how, bool retryable) const {
+Error Hub::death(const Peer& peer, const std::string& who, const std::string& how, bool retryable) const {
   const std::string during = peer.state == participant::ProtocolState::connected ? "before it said Hello"
                              : peer.request != 0 ? "during " + request_text(peer.request_body, peer.where)
                                                  : "between two requests";
-  return lost(fmt::format("{} (pid {}) {} {}; {}", peer.name, pid, how, during, log_tail(peer)), retryable);
+  return lost(fmt::format("{} {} {}{}", who, how, during, log_tail(peer)), retryable);
 }
 
 Error Hub::lateness(const Peer& peer, const std::string& what, Seconds deadline) const {
   const std::string last = peer.beat ? fmt::format("its last sign of life: {} (iteration {})",
                                                    peer.beat->phase(), peer.beat->inner_iteration())
                                      : std::string("it gave no sign of life");
-  return lost(fmt::format("{} (pid {}) did not {} within {:g} s; {}; {}", peer.name, peer.process->pid(),
-                          what, deadline.count(), last, log_tail(peer)));
+  return lost(fmt::format("{} did not {} within {:g} s; {}{}", peer.text(), what, deadline.count(), last,
+                          log_tail(peer)));
 }
 
 void Hub::close_all(Seconds deadline, const std::function<void(v1::Envelope&)>& body) {
   for (const auto& peer : peers_) {
-    if (peer->process->poll() || peer->state == participant::ProtocolState::connected) continue;
+    if ((peer->process && peer->process->poll()) || peer->disconnected ||
+        peer->state == participant::ProtocolState::connected)
+      continue;
     wire::Message message;
     message.envelope.set_run_id(run_id_);
     message.envelope.set_participant(peer->name);
     message.envelope.set_request_id(++last_request_);
     body(message.envelope);
-    (void)wire::send(router_, peer->name, message, std::chrono::milliseconds(100));
+    peer->request = last_request_;
+    peer->answer.reset();
+    (void)send(*peer, std::move(message), std::chrono::milliseconds(100));
   }
   const auto end = after(deadline);
-  for (const auto& peer : peers_) {
+  for (const auto& peer : peers_) wait_for_end(*peer, end);
+}
+
+/// Of a process; of a participant that somebody else started, its answer, after which it ends by itself.
+void Hub::wait_for_end(Peer& peer, steady_clock::time_point end) {
+  if (peer.process) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - steady_clock::now());
-    peer->overdue = !peer->process->wait(std::max(left, std::chrono::milliseconds(0)));
-    peer->process->kill_session();
+    peer.overdue = !peer.process->wait(std::max(left, std::chrono::milliseconds(0)));
+    return peer.process->kill_session();
   }
+  const auto gone = [&] {
+    return peer.answer || peer.disconnected || peer.state == participant::ProtocolState::connected;
+  };
+  while (!gone() && steady_clock::now() < end) {
+    const auto taken = take_one();
+    if (!taken || !*taken) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (monitor_) follow_connections();
+  }
+  peer.overdue = !gone();
 }
 
 Result<void> Hub::shut_down(Seconds deadline) {
   close_all(deadline, [](v1::Envelope& e) { e.mutable_shutdown(); });
-  for (const auto& peer : peers_)
-    if (const auto& exit = peer->process->poll(); peer->overdue || !exit || !exit->clean())
-      return lost(fmt::format("{} {} after Shutdown (deadline {:g} s); {}", peer->name,
+  for (const auto& peer : peers_) {
+    const std::optional<Exit>& exit = peer->process ? peer->process->poll() : std::optional<Exit>();
+    const bool ended = !peer->overdue && (!peer->process || (exit && exit->clean()));
+    if (!ended)
+      return lost(fmt::format("{} {} after Shutdown (deadline {:g} s){}", peer->name,
                               peer->overdue || !exit ? "did not end" : exit->text(), deadline.count(),
                               log_tail(*peer)));
+  }
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "coupler/participant_command.hpp"
 #include "coupler/scheme/contract.hpp"
@@ -38,17 +39,50 @@ std::string new_run_id() {
 
 /// What only a run gives: its identity, and the longest time the others may keep a participant waiting,
 /// twice.
-std::vector<std::string> run_environment(const ParticipantSettings& p, const DeadlineSettings& deadlines,
+std::vector<std::string> run_environment(const ParticipantSettings& p, const CaseSettings& settings,
                                          const std::string& run_id) {
+  const DeadlineSettings& d = settings.deadlines;
+  const auto everyone = participants_of(settings);
+  const bool by_hand =
+      std::any_of(everyone.begin(), everyone.end(), [](const auto* other) { return other->by_hand; });
   std::vector<std::string> e{
       "DROGUE_RUN_ID=" + run_id,
       fmt::format("DROGUE_PEER_DEADLINE={:.0f}",
-                  2 * (deadlines.connect + deadlines.initialize + 3 * deadlines.iterate + deadlines.other))};
+                  2 * (d.connect + d.initialize + 3 * d.iterate + d.other + (by_hand ? d.by_hand : 0)))};
   // A plain process that calls MPI_Init would start a daemon of its own otherwise.
   if (p.ranks == 1) e.push_back("OMPI_MCA_ess_singleton_isolated=1");
   const std::vector<std::string> always = participant_environment(p);
   e.insert(e.end(), always.begin(), always.end());
   return e;
+}
+
+Result<launcher::Door> door_of(const CaseSettings& settings) {
+  launcher::Door door;
+  for (const ParticipantSettings* p : participants_of(settings)) {
+    if (!p->by_hand) continue;
+    door.endpoint = settings.network.endpoint;
+    if (p->public_key.empty()) continue;
+    const auto key = keys::read_public(p->public_key);
+    if (!key) return key.error();
+    if (!door.allowed.emplace(*key, p->name).second)
+      return config_error("{}: this key is another participant's: each needs one of its own",
+                          p->public_key.string());
+  }
+  if (settings.network.key.empty()) return door;
+  auto own = keys::read_pair(settings.network.key);
+  if (!own) return own.error();
+  door.key = std::move(*own);
+  return door;
+}
+
+/// Where participants connect: as the case says, else where the coupler listens, by its machine's name.
+std::string public_endpoint(const NetworkSettings& network, const std::string& bound) {
+  if (!network.connect.empty()) return network.connect;
+  const std::string everywhere = "tcp://0.0.0.0:";
+  if (bound.rfind(everywhere, 0) != 0) return bound;
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  return fmt::format("tcp://{}:{}", host.data(), bound.substr(everywhere.size()));
 }
 
 Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Message& answer) {
@@ -97,10 +131,13 @@ Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Me
 
 } // namespace
 
-Result<std::unique_ptr<Participants>>
-Participants::launch(const CaseSettings& settings, const std::filesystem::path& run_directory, bool resume) {
+Result<std::unique_ptr<Participants>> Participants::launch(const CaseSettings& settings,
+                                                           const std::filesystem::path& run_directory,
+                                                           bool resume, launcher::Witness* witness) {
   std::unique_ptr<Participants> p(new Participants(settings));
-  auto hub = launcher::Hub::create(new_run_id());
+  const auto door = door_of(settings);
+  if (!door) return door.error();
+  auto hub = launcher::Hub::create(new_run_id(), *door, witness);
   if (!hub) return hub.error();
   p->hub_ = std::move(*hub);
   // Whatever fails from here on, the others are told why and nobody is left behind.
@@ -108,8 +145,7 @@ Participants::launch(const CaseSettings& settings, const std::filesystem::path& 
     DROGUE_TRY(p->start(settings.structure, run_directory, p->structure_));
     DROGUE_TRY(p->start(settings.mesh_mover, run_directory, p->mesh_mover_));
     DROGUE_TRY(p->start(settings.fluid, run_directory, p->fluid_));
-    for (Peer* peer : {p->structure_, p->mesh_mover_, p->fluid_})
-      DROGUE_TRY(p->hub_->await_hello(*peer, Seconds(settings.deadlines.connect)));
+    DROGUE_TRY(p->await_hello());
     DROGUE_TRY(p->check_contracts());
     DROGUE_TRY(p->configure(run_directory, resume));
     return p->initialize();
@@ -123,21 +159,50 @@ Participants::launch(const CaseSettings& settings, const std::filesystem::path& 
 
 Result<void> Participants::start(const ParticipantSettings& p, const std::filesystem::path& run_directory,
                                  Peer*& peer) {
+  if (p.by_hand && !p.directory.empty()) return expect(p, peer);
   launcher::Command command;
   auto a = run_command(p, hub_->endpoint());
   if (!a) return a.error();
   command.arguments = std::move(*a);
-  command.environment = run_environment(p, settings_.deadlines, hub_->run_id());
+  command.environment = run_environment(p, settings_, hub_->run_id());
   command.directory = run_directory / p.name;
   command.log_file = run_directory / (p.name + ".log");
   std::error_code failure;
   std::filesystem::create_directories(command.directory, failure);
   if (failure)
     return config_error("cannot make the folder {}: {}", command.directory.string(), failure.message());
+  if (p.by_hand) return expect(p, peer);
   auto started = hub_->start(p.name, command);
   if (!started) return started.error();
   peer = *started;
   spdlog::info("{} started, pid {}, log {}", p.name, peer->process->pid(), command.log_file.string());
+  return {};
+}
+
+Result<void> Participants::expect(const ParticipantSettings& p, Peer*& peer) {
+  peer = hub_->expect(p.name);
+  std::vector<std::string> environment = run_environment(p, settings_, hub_->run_id());
+  if (!p.public_key.empty()) {
+    const auto own = keys::read_pair(settings_.network.key);
+    if (!own) return own.error();
+    environment.push_back("DROGUE_KEY=" +
+                          std::filesystem::path(p.public_key).replace_extension(".key").string());
+    environment.push_back("DROGUE_COUPLER_KEY=" + own->public_half);
+  }
+  const auto command = run_command(p, public_endpoint(settings_.network, hub_->door_endpoint()));
+  if (!command) return command.error();
+  spdlog::info("{} is started by hand, within {:g} s:\n{}", p.name, settings_.deadlines.by_hand,
+               shell_line(environment, *command));
+  return {};
+}
+
+/// Those that the coupler started first: they need not wait for a hand.
+Result<void> Participants::await_hello() {
+  for (const bool by_hand : {false, true})
+    for (Peer* peer : {structure_, mesh_mover_, fluid_})
+      if (!peer->process == by_hand)
+        DROGUE_TRY(hub_->await_hello(
+            *peer, Seconds(by_hand ? settings_.deadlines.by_hand : settings_.deadlines.connect)));
   return {};
 }
 
@@ -186,7 +251,8 @@ Result<void> Participants::configure(const std::filesystem::path& run_directory,
     wire::Message m = message();
     v1::Configure& c = *m.envelope.mutable_configure();
     c.set_version(wire::version);
-    c.set_directory((run_directory / peer->name).string());
+    const std::filesystem::path own = settings_of(*peer).directory;
+    c.set_directory((own.empty() ? run_directory / peer->name : own).string());
     c.set_start_time(0);
     c.set_time_step(settings_.time_step);
     c.set_resume(resume);
@@ -274,13 +340,17 @@ Result<void> Participants::restore(const Station& at, const std::filesystem::pat
   return {};
 }
 
+const ParticipantSettings& Participants::settings_of(const Peer& peer) const {
+  return &peer == structure_ ? settings_.structure : &peer == fluid_ ? settings_.fluid : settings_.mesh_mover;
+}
+
 bool Participants::structure_takes_traction() const {
   return find_input(structure_->hello, "traction") != nullptr;
 }
 
 std::string Participants::who_cannot_checkpoint() const {
   for (const Peer* peer : {structure_, mesh_mover_, fluid_})
-    if (!peer->hello.can_checkpoint()) return peer->name;
+    if (!peer->hello.can_checkpoint() || !settings_of(*peer).directory.empty()) return peer->name;
   return {};
 }
 

@@ -24,9 +24,11 @@ class Participants {
  public:
   /// Starts the three processes (working directory RUN/NAME, log RUN/NAME.log), shakes hands, checks
   /// versions, capabilities and field contracts, and initialises them side by side. `resume`: their results
-  /// of an earlier part stay, and restore() follows.
+  /// of an earlier part stay, and restore() follows. `witness` sees every message; or nullptr. A participant
+  /// that is started by hand is waited for, and the command that starts it printed.
   [[nodiscard]] static Result<std::unique_ptr<Participants>>
-  launch(const CaseSettings& settings, const std::filesystem::path& run_directory, bool resume = false);
+  launch(const CaseSettings& settings, const std::filesystem::path& run_directory, bool resume = false,
+         launcher::Witness* witness = nullptr);
 
   /// The interface each gave at Initialize.
   participant::InterfaceMesh fluid_interface, structure_interface, mesh_interface;
@@ -72,6 +74,9 @@ class Participants {
   explicit Participants(const CaseSettings& settings) : settings_(settings) {}
   [[nodiscard]] Result<void> start(const ParticipantSettings& p, const std::filesystem::path& run_directory,
                                    launcher::Peer*& peer);
+  [[nodiscard]] Result<void> expect(const ParticipantSettings& p, launcher::Peer*& peer);
+  [[nodiscard]] Result<void> await_hello();
+  [[nodiscard]] const ParticipantSettings& settings_of(const launcher::Peer& peer) const;
   [[nodiscard]] Result<void> check_contracts();
   [[nodiscard]] Result<void> choose_load();
   [[nodiscard]] Result<void> configure(const std::filesystem::path& run_directory, bool resume);

@@ -4,13 +4,13 @@
  * speed of sound c of a compressible fluid of density rho [lighthill1953]. Every point of the wall is the piston of a
  * long tube, and only radiates:
  *
- *     p = -rho c v.n          n: out of the fluid, into the wall
+ *     p = p_0 - rho c v.n     n: out of the fluid, into the wall; p_0: the pressure of the fluid at rest
  *
  * The wall is the rectangle (0, 0) to (size_x, size_y) at a height z, the fluid below it: n = (0, 0, 1) for small
  * motions. The same program is the mesh mover that goes with it: the fluid's mesh is the wall alone.
  *
- *     piston_fluid fluid      --impedance RHO_C --size X Y --cells NX NY --height Z --connect ENDPOINT
- *     piston_fluid mesh_mover                   --size X Y --cells NX NY --height Z --connect ENDPOINT
+ *     piston_fluid fluid      --impedance RHO_C [--pressure P_0] --size X Y --cells NX NY --height Z --connect ENDPOINT
+ *     piston_fluid mesh_mover                                    --size X Y --cells NX NY --height Z --connect ENDPOINT
  */
 #include <drogue_participant.h>
 
@@ -19,7 +19,7 @@
 #include <string.h>
 
 typedef struct Wall {
-  double impedance, size_x, size_y, height;
+  double impedance, pressure, size_x, size_y, height;
   size_t cells_x, cells_y, nodes;
   double* points;      /* {nodes, 3} */
   double* areas;       /* {nodes} */
@@ -96,8 +96,8 @@ static int radiate(void* user, drogue_call* call, drogue_report* report) {
   (void)report;
   w->power = 0;
   for (size_t i = 0; i < w->nodes; ++i) {
-    p[i] = -w->impedance * v[3 * i + 2];
-    w->power -= p[i] * v[3 * i + 2] * w->areas[i];
+    p[i] = w->pressure - w->impedance * v[3 * i + 2];
+    w->power += w->impedance * v[3 * i + 2] * v[3 * i + 2] * w->areas[i];
   }
   w->energy = w->energy_n + w->time_step * w->power;
   return DROGUE_OK;
@@ -166,6 +166,7 @@ static const drogue_field mover_outputs[] = {
 static int read_arguments(Wall* w, int argc, char** argv) {
   for (int i = 2; i + 1 < argc; ++i) {
     if (!strcmp(argv[i], "--impedance")) w->impedance = atof(argv[i + 1]);
+    if (!strcmp(argv[i], "--pressure")) w->pressure = atof(argv[i + 1]);
     if (!strcmp(argv[i], "--height")) w->height = atof(argv[i + 1]);
     if (i + 2 >= argc) break;
     if (!strcmp(argv[i], "--size")) {
@@ -184,8 +185,8 @@ int main(int argc, char** argv) {
   const int is_fluid = argc > 1 && !strcmp(argv[1], "fluid");
   const int is_mover = argc > 1 && !strcmp(argv[1], "mesh_mover");
   if (!(is_fluid || is_mover) || !read_arguments(&wall, argc, argv)) {
-    fprintf(stderr, "usage: piston_fluid fluid|mesh_mover [--impedance RHO_C] --size X Y --cells NX NY [--height Z] "
-                    "--connect ENDPOINT\n");
+    fprintf(stderr, "usage: piston_fluid fluid|mesh_mover [--impedance RHO_C] [--pressure P_0] --size X Y "
+                    "--cells NX NY [--height Z] --connect ENDPOINT\n");
     return DROGUE_CONFIG;
   }
   const drogue_solver solver = {

@@ -276,6 +276,8 @@ ServeOptions serve_options_from_environment(std::string endpoint) {
   options.endpoint = std::move(endpoint);
   options.participant = environment("DROGUE_PARTICIPANT");
   options.run_id = environment("DROGUE_RUN_ID");
+  options.key_file = environment("DROGUE_KEY");
+  options.coupler_key = environment("DROGUE_COUPLER_KEY");
   const std::string deadline = environment("DROGUE_PEER_DEADLINE");
   int seconds = 0;
   if (std::from_chars(deadline.data(), deadline.data() + deadline.size(), seconds).ec == std::errc{} &&
@@ -288,7 +290,7 @@ Result<void> serve(Solver& solver, const ServeOptions& options) {
   if (options.participant.empty())
     return config_error("the name of the participant is not known: start it through the coupler, or set "
                         "DROGUE_PARTICIPANT to fluid, structure or mesh_mover");
-  Transport transport(options.endpoint, options.participant, options.run_id);
+  Transport transport(options);
   DROGUE_TRY(transport.start());
   return Server(solver, transport, options.run_id).run(options.peer_deadline);
 }

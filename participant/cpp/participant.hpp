@@ -161,9 +161,15 @@ struct ServeOptions {
   /// Longest silence of the coupler before giving up (exit status 4); default: DROGUE_PEER_DEADLINE in
   /// seconds, else one hour.
   std::chrono::seconds peer_deadline{3600};
+  /// For a coupler on another machine, which must have keys (`coupler keygen`): the file of this
+  /// participant's own pair, and the coupler's public key as text; defaults: DROGUE_KEY and
+  /// DROGUE_COUPLER_KEY.
+  std::string key_file = {};
+  std::string coupler_key = {};
 };
 
-/// Reads participant, run id and deadline from the environment that the coupler's launcher sets.
+/// Reads participant, run id, deadline and keys from the environment that the coupler's launcher sets (or
+/// prints, for a participant that is started by hand).
 [[nodiscard]] ServeOptions serve_options_from_environment(std::string endpoint);
 
 /// Connects and serves until Shutdown (ok), Abort, an error, or silence beyond the deadline.

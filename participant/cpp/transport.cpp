@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/base/interrupt.hpp"
+#include "participant/cpp/keys.hpp"
 #include "participant/cpp/protocol_state.hpp"
 
 namespace drogue::participant {
@@ -25,6 +26,9 @@ constexpr auto interrupt_interval = std::chrono::milliseconds(100);
 constexpr auto grace_without_coupler = std::chrono::seconds(10);
 constexpr int last_answer_linger = 2000; // ms
 constexpr auto send_deadline = std::chrono::seconds(30);
+
+constexpr int connection_events = ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
+                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
 struct Progress {
   std::atomic<const char*> phase{""};
@@ -55,8 +59,12 @@ void report_progress(const char* phase, std::uint32_t inner_iteration, double in
   progress().inner_residual = inner_residual;
 }
 
-Transport::Transport(std::string endpoint, std::string participant, std::string run_id)
-    : endpoint_(std::move(endpoint)), participant_(std::move(participant)), run_id_(std::move(run_id)) {}
+Transport::Transport(const ServeOptions& options)
+    : endpoint_(options.endpoint),
+      participant_(options.participant),
+      run_id_(options.run_id),
+      key_file_(options.key_file),
+      coupler_key_(options.coupler_key) {}
 
 Transport::~Transport() {
   if (!thread_.joinable()) return;
@@ -71,20 +79,40 @@ Transport::~Transport() {
   socket_.set(zmq::sockopt::linger, lost_.empty() ? last_answer_linger : 0);
 }
 
+Result<void> Transport::set_keys() {
+  if (coupler_key_.empty()) {
+    if (keys::stays_on_this_machine(endpoint_)) return {};
+    return config_error("{} is not on this machine, and there are no keys: set DROGUE_COUPLER_KEY to the "
+                        "coupler's public key and DROGUE_KEY to the file of this participant's own "
+                        "(coupler keygen makes them)",
+                        endpoint_);
+  }
+  if (!keys::is_key(coupler_key_)) return config_error("DROGUE_COUPLER_KEY is not a key of 40 characters");
+  const auto own = keys::read_pair(key_file_);
+  if (!own) return Error{ErrorKind::config, "DROGUE_KEY: " + own.error().message};
+  keys::use(socket_, *own, coupler_key_);
+  return {};
+}
+
+void Transport::connect() {
+  monitor_ = zmq::socket_t(context_, zmq::socket_type::pair);
+  monitor_.connect("inproc://events");
+  wake_out_ = zmq::socket_t(context_, zmq::socket_type::pair);
+  wake_out_.bind("inproc://wake");
+  wake_in_ = zmq::socket_t(context_, zmq::socket_type::pair);
+  wake_in_.connect("inproc://wake");
+  socket_.connect(endpoint_);
+}
+
 Result<void> Transport::start() {
   try {
     socket_ = zmq::socket_t(context_, zmq::socket_type::dealer);
     wire::prepare(socket_);
     socket_.set(zmq::sockopt::routing_id, participant_);
-    if (zmq_socket_monitor(socket_.handle(), "inproc://events", ZMQ_EVENT_DISCONNECTED) != 0)
+    DROGUE_TRY(set_keys());
+    if (zmq_socket_monitor(socket_.handle(), "inproc://events", connection_events) != 0)
       return internal_error("cannot watch the connection: {}", zmq_strerror(zmq_errno()));
-    monitor_ = zmq::socket_t(context_, zmq::socket_type::pair);
-    monitor_.connect("inproc://events");
-    wake_out_ = zmq::socket_t(context_, zmq::socket_type::pair);
-    wake_out_.bind("inproc://wake");
-    wake_in_ = zmq::socket_t(context_, zmq::socket_type::pair);
-    wake_in_.connect("inproc://wake");
-    socket_.connect(endpoint_);
+    connect();
   } catch (const zmq::error_t& e) {
     return peer_error("cannot connect to the coupler at \"{}\": {}", endpoint_, e.what());
   }
@@ -109,15 +137,16 @@ Result<wire::Message> Transport::next_request(std::chrono::seconds deadline) {
 }
 
 void Transport::post(wire::Message message) {
-  enqueue(std::move(message));
+  message.envelope.set_run_id(run_id_);
+  message.envelope.set_participant(participant_);
+  const std::uint64_t request = message.envelope.request_id();
+  enqueue({request, wire::encode(std::move(message))});
   wake_in_.send(zmq::message_t(), zmq::send_flags::dontwait);
 }
 
-void Transport::enqueue(wire::Message message) {
-  message.envelope.set_run_id(run_id_);
-  message.envelope.set_participant(participant_);
+void Transport::enqueue(Outgoing outgoing) {
   const std::lock_guard lock(mutex_);
-  outgoing_.push_back(std::move(message));
+  outgoing_.push_back(std::move(outgoing));
 }
 
 void Transport::flush(milliseconds deadline) {
@@ -153,8 +182,7 @@ void Transport::loop() {
       else if (*received)
         take(std::move((**received).message));
     }
-    if ((items[2].revents & ZMQ_POLLIN) != 0 && coupler_disconnected())
-      lose("the coupler closed the connection");
+    if ((items[2].revents & ZMQ_POLLIN) != 0) follow_connection();
     beat();
     leave_if_abandoned();
   }
@@ -165,9 +193,9 @@ void Transport::loop() {
 void Transport::take(wire::Message request) {
   const std::uint64_t id = request.envelope.request_id();
   if (id != 0 && id == working_on_) return;
-  if (id != 0 && id == last_answer_.envelope.request_id()) {
-    enqueue(last_answer_);
-    send_outgoing();
+  if (id != 0 && id == last_answer_.request) {
+    if (const auto sent = wire::send(socket_, "", last_answer_.frames, send_deadline); !sent)
+      lose(sent.error().message);
     return;
   }
   working_on_ = id;
@@ -184,16 +212,17 @@ void Transport::take(wire::Message request) {
 
 void Transport::send_outgoing() {
   while (true) {
-    wire::Message message;
+    Outgoing outgoing;
     {
       const std::lock_guard lock(mutex_);
       if (outgoing_.empty()) break;
-      message = outgoing_.front(); // stays in the queue until it is sent: flush() waits for it
+      outgoing = std::move(outgoing_.front()); // its place stays in the queue until it is sent: for flush()
     }
-    if (const auto sent = wire::send(socket_, "", message, send_deadline); !sent) lose(sent.error().message);
-    if (message.envelope.request_id() != 0) {
+    if (const auto sent = wire::send(socket_, "", outgoing.frames, send_deadline); !sent)
+      lose(sent.error().message);
+    if (outgoing.request != 0) {
       working_on_ = 0;
-      last_answer_ = std::move(message);
+      last_answer_ = std::move(outgoing);
     }
     {
       const std::lock_guard lock(mutex_);
@@ -219,17 +248,19 @@ void Transport::beat() {
   (void)wire::send(socket_, "", message, send_deadline); // a lost beat is harmless: the next one follows
 }
 
-bool Transport::coupler_disconnected() {
-  bool disconnected = false;
+void Transport::follow_connection() {
   zmq::message_t event;
   while (monitor_.recv(event, zmq::recv_flags::dontwait)) {
     std::uint16_t kind = 0;
     if (event.size() >= sizeof kind) std::memcpy(&kind, event.data(), sizeof kind);
-    disconnected = disconnected || kind == ZMQ_EVENT_DISCONNECTED;
     zmq::message_t address;
     (void)monitor_.recv(address, zmq::recv_flags::dontwait);
+    if (kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) connected_ = true;
+    if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) lose("the coupler does not allow this participant's key");
+    if (kind == ZMQ_EVENT_DISCONNECTED || kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL)
+      lose(connected_ ? "the coupler closed the connection"
+                      : "the coupler closed the connection before it was set up: do the keys fit?");
   }
-  return disconnected;
 }
 
 void Transport::lose(const std::string& why) {

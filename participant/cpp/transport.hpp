@@ -22,12 +22,13 @@ namespace drogue::participant {
 /// when the coupler is gone.
 class Transport {
  public:
-  Transport(std::string endpoint, std::string participant, std::string run_id);
+  explicit Transport(const ServeOptions& options);
   ~Transport();
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
-  /// Connects and starts the thread.
+  /// Connects and starts the thread. Errors: ErrorKind::config, an endpoint on another machine without keys,
+  /// or a bad key.
   [[nodiscard]] Result<void> start();
   /// Waits passively for the next request. Errors (ErrorKind::peer): silence for `deadline`, a lost coupler;
   /// interrupted: a signal came (common/base/interrupt.hpp).
@@ -39,29 +40,38 @@ class Transport {
   void flush(std::chrono::milliseconds deadline);
 
  private:
+  /// A message on its way out, encoded. What is no answer has request 0.
+  struct Outgoing {
+    std::uint64_t request = 0;
+    wire::Frames frames;
+  };
+  [[nodiscard]] Result<void> set_keys();
+  void connect();
   void loop();
-  void enqueue(wire::Message message);
+  void enqueue(Outgoing outgoing);
   void take(wire::Message request);
   void send_outgoing();
   void beat();
   void lose(const std::string& why);
-  [[nodiscard]] bool coupler_disconnected();
+  void follow_connection();
   void leave_if_abandoned() const;
 
-  std::string endpoint_, participant_, run_id_;
+  std::string endpoint_, participant_, run_id_, key_file_, coupler_key_;
   zmq::context_t context_;
   zmq::socket_t socket_, wake_in_, wake_out_, monitor_;
   std::thread thread_;
 
   std::mutex mutex_;
   std::condition_variable incoming_ready_, outgoing_done_;
-  std::deque<wire::Message> incoming_, outgoing_;
+  std::deque<wire::Message> incoming_;
+  std::deque<Outgoing> outgoing_;
   std::string lost_; // why the coupler is gone; empty while it is there
   bool stop_ = false;
 
   // Used by the thread alone.
   std::uint64_t working_on_ = 0; // request handed to the solver and not answered yet
-  wire::Message last_answer_;
+  Outgoing last_answer_;
+  bool connected_ = false;     // the coupler has taken the connection, with its keys
   wire::Message last_request_; // identity of the request in work, for the beats
   std::chrono::steady_clock::time_point last_beat_{}, lost_at_{};
 };

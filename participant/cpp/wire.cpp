@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "participant/cpp/wire.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -19,10 +21,21 @@ static_assert(std::endian::native == std::endian::little, "arrays travel in litt
 constexpr char magic[5] = {'D', 'R', 'G', 'W', static_cast<char>(version)};
 constexpr std::size_t max_frames = 64;
 constexpr std::int64_t max_frame_bytes = std::int64_t{8} << 30;
+constexpr std::size_t max_envelope_bytes = std::size_t{1} << 20;
+constexpr std::size_t max_name_length = 255;
+
+/// From this size on an array is handed over to ZeroMQ, below it is copied [bytes].
+constexpr std::size_t smallest_handed_over = 65536;
+/// Values that are checked and copied at once, while they are in the cache.
+constexpr std::size_t chunk = 4096;
 
 template <class T>
-zmq::message_t frame_of(const std::vector<T>& values) {
-  return zmq::message_t(values.data(), values.size() * sizeof(T));
+zmq::message_t frame_of(std::vector<T> values) {
+  const std::size_t size = values.size() * sizeof(T);
+  if (size < smallest_handed_over) return zmq::message_t(values.data(), size);
+  auto* const owned = new std::vector<T>(std::move(values)); // until ZeroMQ has sent it
+  return zmq::message_t(
+      owned->data(), size, [](void*, void* vector) { delete static_cast<std::vector<T>*>(vector); }, owned);
 }
 
 template <class Array>
@@ -46,7 +59,7 @@ std::optional<std::uint64_t> value_count(const v1::ArrayHeader& header) {
   return count;
 }
 
-Result<void> check(const v1::ArrayHeader& header, const zmq::message_t& frame) {
+Result<void> check_size(const v1::ArrayHeader& header, const zmq::message_t& frame) {
   const auto count = value_count(header);
   if (!count || *count * 8 != header.byte_length())
     return peer_error("array \"{}\": shape {{{}}} does not make {} bytes", header.name(),
@@ -54,56 +67,87 @@ Result<void> check(const v1::ArrayHeader& header, const zmq::message_t& frame) {
   if (frame.size() != header.byte_length())
     return peer_error("array \"{}\": expected {} bytes, the frame has {}", header.name(),
                       header.byte_length(), frame.size());
-  const std::uint32_t crc = crc32({static_cast<const std::byte*>(frame.data()), frame.size()});
-  if (crc != header.crc32())
-    return peer_error("array \"{}\": checksum {:08x} expected, the frame has {:08x}", header.name(),
-                      header.crc32(), crc);
   return {};
 }
 
+/// The values of a frame of the right size, and their checksum.
+template <class T>
+std::uint32_t copy(const zmq::message_t& frame, std::vector<T>& values) {
+  values.reserve(frame.size() / sizeof(T));
+  std::array<T, chunk> part;
+  std::uint32_t crc = 0;
+  const auto* next = static_cast<const std::byte*>(frame.data());
+  for (std::size_t left = frame.size() / sizeof(T); left > 0;) {
+    const std::size_t n = std::min(left, chunk);
+    std::memcpy(part.data(), next, n * sizeof(T)); // a frame need not be aligned
+    crc = crc32(std::as_bytes(std::span(part).first(n)), crc);
+    values.insert(values.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(n));
+    next += n * sizeof(T);
+    left -= n;
+  }
+  return crc;
+}
+
 template <class Array>
-Array unpack(const v1::ArrayHeader& header, const zmq::message_t& frame) {
+Result<Array> unpack(const v1::ArrayHeader& header, const zmq::message_t& frame) {
+  DROGUE_TRY(check_size(header, frame));
   Array array;
   array.shape.assign(header.shape().begin(), header.shape().end());
-  array.values.resize(frame.size() / 8);
-  if (!array.values.empty()) std::memcpy(array.values.data(), frame.data(), frame.size());
+  if (const std::uint32_t crc = copy(frame, array.values); crc != header.crc32())
+    return peer_error("array \"{}\": checksum {:08x} expected, the frame has {:08x}", header.name(),
+                      header.crc32(), crc);
   return array;
 }
 
-Result<Message> decode(const std::vector<zmq::message_t>& frames, std::size_t first) {
-  if (frames.size() < first + 2)
-    return peer_error("a message of {} frames is too short: magic and envelope expected",
-                      frames.size() - first);
-  const zmq::message_t& head = frames[first];
+template <class Array>
+Result<void> add(std::map<std::string, Array>& arrays, const v1::ArrayHeader& header,
+                 const zmq::message_t& frame) {
+  auto array = unpack<Array>(header, frame);
+  if (!array) return array.error();
+  if (!arrays.emplace(header.name(), std::move(*array)).second)
+    return peer_error("array \"{}\" comes twice", header.name());
+  return {};
+}
+
+Result<void> check_head(const zmq::message_t& head) {
   if (head.size() != sizeof(magic) || std::memcmp(head.data(), magic, 4) != 0)
     return peer_error("not a Drogue message: the first frame must be \"DRGW\" and the version");
   if (static_cast<const char*>(head.data())[4] != magic[4])
     return peer_error("the peer speaks protocol version {}, this side version {}",
                       static_cast<int>(static_cast<const char*>(head.data())[4]), version);
+  return {};
+}
+
+} // namespace
+
+Result<Message> decode(std::span<const zmq::message_t> frames) {
+  if (frames.size() > max_frames + 2) return peer_error("a message of more than {} arrays", max_frames);
+  if (frames.size() < 2)
+    return peer_error("a message of {} frames is too short: magic and envelope expected", frames.size());
+  DROGUE_TRY(check_head(frames[0]));
   Message message;
-  const zmq::message_t& body = frames[first + 1];
-  if (!message.envelope.ParseFromArray(body.data(), static_cast<int>(body.size())))
+  const zmq::message_t& body = frames[1];
+  if (body.size() > max_envelope_bytes ||
+      !message.envelope.ParseFromArray(body.data(), static_cast<int>(body.size())))
     return peer_error("the envelope cannot be parsed ({} bytes)", body.size());
   const auto arrays = static_cast<std::size_t>(message.envelope.array_size());
-  if (frames.size() != first + 2 + arrays)
-    return peer_error("the envelope announces {} arrays, {} frames follow", arrays,
-                      frames.size() - first - 2);
+  if (frames.size() != 2 + arrays)
+    return peer_error("the envelope announces {} arrays, {} frames follow", arrays, frames.size() - 2);
   for (std::size_t i = 0; i < arrays; ++i) {
     const v1::ArrayHeader& header = message.envelope.array(static_cast<int>(i));
-    const zmq::message_t& frame = frames[first + 2 + i];
-    DROGUE_TRY(check(header, frame));
+    const zmq::message_t& frame = frames[2 + i];
+    if (header.name().size() > max_name_length)
+      return peer_error("the name of array {} has more than {} characters", i + 1, max_name_length);
     if (header.type() == v1::ArrayHeader::FLOAT64)
-      message.floats[header.name()] = unpack<participant::FloatArray>(header, frame);
+      DROGUE_TRY(add(message.floats, header, frame));
     else if (header.type() == v1::ArrayHeader::INT64)
-      message.indices[header.name()] = unpack<participant::IndexArray>(header, frame);
+      DROGUE_TRY(add(message.indices, header, frame));
     else
       return peer_error("array \"{}\" has an unknown type ({})", header.name(),
                         static_cast<int>(header.type()));
   }
   return message;
 }
-
-} // namespace
 
 void prepare(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::linger, 0);
@@ -112,31 +156,36 @@ void prepare(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::rcvhwm, 1000);
 }
 
-Result<void> send(zmq::socket_t& socket, const std::string& route, const Message& message,
-                  std::chrono::milliseconds deadline) {
-  v1::Envelope envelope = message.envelope;
+Frames encode(Message message) {
+  v1::Envelope& envelope = message.envelope;
   envelope.clear_array();
-  std::vector<zmq::message_t> frames;
-  if (!route.empty()) frames.emplace_back(route.data(), route.size());
+  Frames frames;
   frames.emplace_back(magic, sizeof(magic));
   frames.emplace_back(); // the envelope, once it knows its arrays
-  const std::size_t body = frames.size() - 1;
-  for (const auto& [name, array] : message.floats) {
+  for (auto& [name, array] : message.floats) {
     describe(envelope, name, array, v1::ArrayHeader::FLOAT64);
-    frames.push_back(frame_of(array.values));
+    frames.push_back(frame_of(std::move(array.values)));
   }
-  for (const auto& [name, array] : message.indices) {
+  for (auto& [name, array] : message.indices) {
     describe(envelope, name, array, v1::ArrayHeader::INT64);
-    frames.push_back(frame_of(array.values));
+    frames.push_back(frame_of(std::move(array.values)));
   }
   const std::string bytes = envelope.SerializeAsString();
-  frames[body] = zmq::message_t(bytes.data(), bytes.size());
+  frames[1] = zmq::message_t(bytes.data(), bytes.size());
+  return frames;
+}
 
+Result<void> send(zmq::socket_t& socket, const std::string& route, Frames& frames,
+                  std::chrono::milliseconds deadline) {
   try {
     socket.set(zmq::sockopt::sndtimeo, static_cast<int>(deadline.count()));
+    if (!route.empty() && !socket.send(zmq::buffer(route), zmq::send_flags::sndmore))
+      return peer_error("the peer took no message for {} ms", deadline.count());
     for (std::size_t i = 0; i < frames.size(); ++i) {
+      zmq::message_t shared; // the content is shared, not copied
+      shared.copy(frames[i]);
       const auto flags = i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
-      if (!socket.send(frames[i], flags))
+      if (!socket.send(shared, flags))
         return peer_error("the peer took no message for {} ms", deadline.count());
     }
   } catch (const zmq::error_t& e) {
@@ -145,26 +194,42 @@ Result<void> send(zmq::socket_t& socket, const std::string& route, const Message
   return {};
 }
 
-Result<std::optional<Received>> receive(zmq::socket_t& socket, bool routed) {
-  std::vector<zmq::message_t> frames;
+Result<void> send(zmq::socket_t& socket, const std::string& route, Message message,
+                  std::chrono::milliseconds deadline) {
+  Frames frames = encode(std::move(message));
+  return send(socket, route, frames, deadline);
+}
+
+Result<std::optional<Parcel>> take(zmq::socket_t& socket, bool routed) {
+  Parcel parcel;
+  Frames& frames = parcel.frames;
   try {
     do {
       zmq::message_t frame;
       const auto flags = frames.empty() ? zmq::recv_flags::dontwait : zmq::recv_flags::none;
-      if (!socket.recv(frame, flags)) return std::optional<Received>{};
-      if (frames.size() < max_frames + 3) frames.push_back(std::move(frame));
+      if (!socket.recv(frame, flags)) return std::optional<Parcel>{};
+      if (frames.size() < max_frames + 4) frames.push_back(std::move(frame));
     } while (socket.get(zmq::sockopt::rcvmore) != 0);
+    if (const char* user = zmq_msg_gets(frames.back().handle(), "User-Id")) parcel.user = user;
+    parcel.connection = zmq_msg_get(frames.back().handle(), ZMQ_SRCFD);
   } catch (const zmq::error_t& e) {
     return peer_error("cannot receive: {}", e.what());
   }
-  if (frames.size() > max_frames + 2) return peer_error("a message of more than {} frames", max_frames);
-  Received received;
-  if (routed) received.route = frames[0].to_string();
-  auto message = decode(frames, routed ? 1 : 0);
+  if (routed) {
+    parcel.route = frames[0].to_string();
+    frames.erase(frames.begin());
+  }
+  return std::optional<Parcel>(std::move(parcel));
+}
+
+Result<std::optional<Received>> receive(zmq::socket_t& socket, bool routed) {
+  auto parcel = take(socket, routed);
+  if (!parcel) return parcel.error();
+  if (!*parcel) return std::optional<Received>{};
+  auto message = decode((**parcel).frames);
   if (!message)
-    return routed ? peer_error("from {}: {}", received.route, message.error().message) : message.error();
-  received.message = std::move(*message);
-  return std::optional<Received>(std::move(received));
+    return routed ? peer_error("from {}: {}", (**parcel).route, message.error().message) : message.error();
+  return std::optional<Received>({std::move((**parcel).route), std::move(*message)});
 }
 
 std::optional<std::size_t> first_not_finite(const std::vector<double>& values) {

@@ -61,6 +61,8 @@ inline std::vector<FaultCase> fault_matrix() {
     if (at != "Shutdown") cases.push_back({"COUPLER_TERM", at, "coupler", false, 5, "signal"});
   }
   cases.push_back({"SOCKET", "start", "coupler", false, 1, "cannot listen at"});
+  cases.push_back({"PORT", "start", "coupler", false, 2,
+                   "cannot listen at tcp://127.0.0.1:[0-9]+: Address already in use"});
   return cases;
 }
 

@@ -7,6 +7,10 @@
 #include <cstdlib>
 #include <regex>
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include "tests/support/checkpoint_runs.hpp"
 #include "tests/support/processes.hpp"
 #include "tests/support/verify.hpp"
@@ -33,6 +37,8 @@ struct Figures {
 std::string spoiled(const FaultCase& f, const std::string& role) {
   const std::string program = std::string(DROGUE_TEST_BIN_DIR) + "/oscillator_participant";
   std::vector<std::string> words;
+  if (f.fault == "PORT")
+    return fmt::format("{} {{ command: '{}' argument: '{}' launch: NONE }}\n", role, program, role);
   if (f.fault == "ANOTHER_ROLE")
     words = {"env", std::string("DROGUE_PARTICIPANT=") + (role == "fluid" ? "structure" : "fluid"), program,
              role};
@@ -45,12 +51,36 @@ std::string spoiled(const FaultCase& f, const std::string& role) {
   return text + " }\n";
 }
 
-void write_spoiled_case(const fs::path& folder, const FaultCase& f) {
+/// A TCP port of the loopback that somebody else listens at.
+class TakenPort {
+ public:
+  TakenPort() : socket_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    auto* const any = reinterpret_cast<sockaddr*>(&address);
+    EXPECT_TRUE(bind(socket_, any, size) == 0 && listen(socket_, 1) == 0 &&
+                getsockname(socket_, any, &size) == 0);
+    number_ = ntohs(address.sin_port);
+  }
+  ~TakenPort() { close(socket_); }
+  TakenPort(const TakenPort&) = delete;
+  TakenPort& operator=(const TakenPort&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+
+ private:
+  int socket_, number_ = 0;
+};
+
+void write_spoiled_case(const fs::path& folder, const FaultCase& f, const TakenPort& taken) {
   const auto file = write_case(folder, {.steps = steps, .extra = settings});
   const std::string role = f.victim == "coupler" ? "structure" : f.victim,
                     healthy = participant_text(role, "");
   std::string text = read_text(file);
   text.replace(text.find(healthy), healthy.size(), spoiled(f, role));
+  if (f.fault == "PORT")
+    text += fmt::format("network {{ endpoint: 'tcp://127.0.0.1:{}' }}\n", taken.number());
   std::ofstream(file) << text;
 }
 
@@ -102,7 +132,8 @@ std::string loss(const fs::path& folder, const FaultCase& f, int status, const F
 
 void judge(const FaultCase& f, const Files& undisturbed, double normal, Figures& figures) {
   const auto folder = fresh_folder(f.name());
-  write_spoiled_case(folder, f);
+  const TakenPort taken;
+  write_spoiled_case(folder, f, taken);
   const auto begin = Clock::now();
   launcher::Process coupler = start(folder, f);
   const auto& exit = coupler.wait(std::chrono::seconds(60));
@@ -123,7 +154,7 @@ void judge(const FaultCase& f, const Files& undisturbed, double normal, Figures&
   const bool clean = eventually([&] { return left_behind(folder) == 0; }, patience);
   figures.orphans += clean ? 0 : left_behind(folder);
   EXPECT_TRUE(clean) << f.name() << " leaves processes";
-  const std::string lost = f.fault == "SOCKET" ? "" : loss(folder, f, status, undisturbed);
+  const std::string lost = f.at == "start" ? "" : loss(folder, f, status, undisturbed);
   figures.lost += lost.empty() ? 0 : 1;
   EXPECT_EQ(lost, "") << f.name() << ": " << read_text(folder / "output.txt");
 }

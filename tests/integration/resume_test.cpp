@@ -85,6 +85,26 @@ TEST(Resume, ContinuesAfterTheDeathOfAParticipant) {
   expect_same(undisturbed(c), everything(folder, 12));
 }
 
+TEST(Resume, SigtermInTheFirstStepLeavesACheckpointOfTheStart) {
+  OscillatorCase c{.fluid_arguments = "--delay 0.3", .steps = 4, .extra = "checkpoints { steps: 4 }"};
+  const auto folder = fresh_folder("resumed");
+  write_case(folder, c);
+  launcher::Process coupler = start_program(folder, {"run", "case.textproto"});
+  ASSERT_TRUE(eventually([&] { return fs::exists(folder / "run/coupling.csv"); })) << output(folder);
+  std::this_thread::sleep_for(std::chrono::milliseconds(150)); // in the first iterate
+  kill(coupler.pid(), SIGTERM);
+  const auto exit = coupler.wait(std::chrono::seconds(30));
+  ASSERT_TRUE(exit.has_value());
+  EXPECT_EQ(exit->status, 5);
+  EXPECT_TRUE(has_checkpoint(folder, 0)) << output(folder);
+  EXPECT_NE(output(folder).find("stopped by a signal after step 0 of 4; continue it with: coupler resume"),
+            std::string::npos)
+      << output(folder);
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+  c.fluid_arguments = "";
+  expect_same(undisturbed(c), everything(folder, 4));
+}
+
 TEST(Resume, SigtermTakesTheStepBackAndLeavesACheckpoint) {
   for (const char* rolls_back : {"yes", "no"}) {
     OscillatorCase c{.fluid_arguments = fmt::format("--delay 0.05 --rolls-back {}", rolls_back),

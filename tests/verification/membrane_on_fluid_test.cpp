@@ -261,16 +261,52 @@ TEST(MembraneOnFluid, OscillatesWithTheExactAddedMass) {
   verify_with(our_mesh_mover, "coupler/membrane_on_fluid");
 }
 
-// Lines on both sides of the interface, which do not match; a plane flow, a plane mesh motion, a plane cable.
-TEST(MembraneOnFluid, APlaneCableOscillatesWithTheExactAddedMass) {
-  const auto folder = fresh_folder("run");
+/// Lines on both sides of the interface, which do not match; a plane flow, a plane mesh motion, a plane
+/// cable.
+void write_plane_case(const std::filesystem::path& folder) {
   const mesh::Mesh structure = plane_structure_mesh();
   ASSERT_TRUE(mesh::write_msh(folder / "structure.msh", structure).ok());
   ASSERT_TRUE(mesh::write_msh(folder / "fluid.msh", plane_fluid_mesh()).ok());
   write_start(folder, structure, 1);
   write_plane_configs(folder, time_step());
   write_case(folder, our_mesh_mover, time_step(), 60);
+}
+
+TEST(MembraneOnFluid, APlaneCableOscillatesWithTheExactAddedMass) {
+  const auto folder = fresh_folder("run");
+  write_plane_case(folder);
   verify_case(folder, "coupler/cable_on_plane_fluid", "y");
+}
+
+// A structure in another language, examples/python_cable: the same elements and time integration, hence the
+// same answer as ours to the tolerance of the coupling iteration.
+TEST(MembraneOnFluid, APythonCableTakesThePlaceOfOurs) {
+  const auto ours = fresh_folder("ours"), folder = fresh_folder("run");
+  write_plane_case(ours);
+  ASSERT_EQ(run_coupler_with(ours, {"run", "case.textproto"}), 0) << read_text(ours / "output.txt");
+  write_plane_case(folder);
+  std::string text = read_text(folder / "case.textproto");
+  const std::string before = "command: 'structure_solver' config: 'structure.textproto'";
+  std::string python = "command: '" DROGUE_SOURCE_DIR "/examples/python_cable/cable.py' "
+                       "environment: 'PYTHONPATH=" DROGUE_PYTHON_DIR "'";
+  for (const std::string& argument :
+       {std::string("--from"), std::string("0"), fmt::format("{}", H), std::string("--to"),
+        fmt::format("{}", L), fmt::format("{}", H), std::string("--elements"),
+        fmt::format("{}", 2 * structure_x), std::string("--line-density"),
+        fmt::format("{}", structure_mass()), std::string("--tension"), fmt::format("{}", tension),
+        std::string("--stiffness"), std::string("0.01"), std::string("--free"), std::string("y"),
+        std::string("--start"), fmt::format("{}", amplitude)})
+    python += fmt::format(" argument: '{}'", argument);
+  text.replace(text.find(before), before.size(), python);
+  std::ofstream(folder / "case.textproto") << text;
+  const std::string name = "coupler/cable_on_plane_fluid_python";
+  verify_case(folder, name, "y");
+  const Table a = read_csv(ours / "run/drag.csv"), b = read_csv(folder / "run/drag.csv");
+  ASSERT_EQ(a.rows.size(), b.rows.size());
+  double worst = 0;
+  for (std::size_t n = 0; n < a.rows.size(); ++n)
+    worst = std::max(worst, std::abs(a.at(n, "mean_displacement_y") - b.at(n, "mean_displacement_y")));
+  verify(name, "difference_from_ours", worst / amplitude, 0, 1e-3);
 }
 
 /// The case with fields and probes every second step, and a checkpoint every two.

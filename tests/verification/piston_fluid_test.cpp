@@ -6,6 +6,7 @@
 // as
 //   w = sin(pi x / L) exp(-g t) cos(omega t),  g = rho c / (2 m),  omega^2 = T (pi / L)^2 / m - g^2.
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include <Eigen/Dense>
@@ -35,21 +36,25 @@ std::string participant(const std::string& role, const std::string& command) {
 struct Wall {
   double impedance, size_x, size_y, height;
   int cells_x, cells_y;
+  double pressure = 0; ///< of the fluid at rest
   [[nodiscard]] std::string arguments() const {
     return fmt::format(" --size {} {} --cells {} {} --height {}", size_x, size_y, cells_x, cells_y, height);
   }
   [[nodiscard]] std::string participants() const {
-    return participant("fluid", fmt::format("{} fluid --impedance {}", piston, impedance) + arguments()) +
+    return participant("fluid",
+                       fmt::format("{} fluid --impedance {} --pressure {}", piston, impedance, pressure) +
+                           arguments()) +
            participant("mesh_mover", std::string(piston) + " mesh_mover" + arguments());
   }
 };
 
-void write_case(const fs::path& folder, const std::string& participants, double dt, int steps) {
+void write_case(const fs::path& folder, const std::string& participants, double dt, int steps,
+                const std::string& loop = "relative: 1e-9") {
   std::ofstream(folder / "case.textproto")
       << "name: 'piston' run_directory: 'run'\n"
       << participants
-      << fmt::format("time {{ step: {} steps: {} }}\nloop {{ relative: 1e-9 }}\nouter_boundary: FIXED\n", dt,
-                     steps);
+      << fmt::format("time {{ step: {} steps: {} }}\nloop {{ {} }}\nouter_boundary: FIXED\n", dt, steps,
+                     loop);
 }
 
 Table run_case(const fs::path& folder) {
@@ -57,15 +62,15 @@ Table run_case(const fs::path& folder) {
   return read_csv(folder / "run/drag.csv");
 }
 
-TEST(PistonFluid, DampsTheSpringByItsImpedance) {
+/// `structure`: the command, with places for mass, stiffness and start.
+void verify_spring(const std::string& name, const std::string& structure) {
   constexpr double m = 0.5, k = 40, rho_c = 3, start = 0.01, dt = 0.01;
   constexpr int steps = 60;
   const auto folder = fresh_folder("spring");
-  write_case(
-      folder,
-      participant("structure", fmt::format("{} --mass {} --stiffness {} --start {}", spring, m, k, start)) +
-          Wall{rho_c, 1, 1, 0, 5, 3}.participants(),
-      dt, steps);
+  write_case(folder,
+             participant("structure", fmt::format(fmt::runtime(structure), m, k, start)) +
+                 Wall{rho_c, 1, 1, 0, 5, 3}.participants(),
+             dt, steps);
   const Table drag = run_case(folder);
   ASSERT_EQ(drag.rows.size(), static_cast<std::size_t>(steps));
   // The trapezoidal rule for both together.
@@ -78,7 +83,17 @@ TEST(PistonFluid, DampsTheSpringByItsImpedance) {
     worst =
         std::max(worst, std::abs(drag.at(static_cast<std::size_t>(n), "mean_displacement_z") - (d - start)));
   }
-  verify("coupler/piston_spring", "difference_from_both_as_one", worst / start, 0, 1e-8);
+  verify(name, "difference_from_both_as_one", worst / start, 0, 1e-8);
+}
+
+TEST(PistonFluid, DampsTheSpringByItsImpedance) {
+  verify_spring("coupler/piston_spring", std::string(spring) + " --mass {} --stiffness {} --start {}");
+}
+
+TEST(PistonFluid, DampsTheSpringInFortranByItsImpedance) {
+  const std::string program = DROGUE_EXAMPLES_DIR "/fortran_spring/spring";
+  if (!fs::exists(program)) GTEST_SKIP() << "gfortran is not installed";
+  verify_spring("coupler/piston_spring_fortran", program + " {} {} {}");
 }
 
 constexpr double L = 1, width = 0.05, tension = 1, mass = 0.1, rho_c = 0.2, amplitude = 1e-3;
@@ -162,24 +177,33 @@ TEST(PistonFluid, DampsAMembraneByItsImpedance) {
   verify_relative("coupler/membrane_on_piston", "decay_rate", found.rate, rate, 0.01);
 }
 
-void expect_conform(const std::string& program) {
-  const auto folder = fresh_folder("conform");
-  std::vector<std::string> command{"conform", "--"};
-  std::istringstream words(program);
-  for (std::string word; words >> word;) command.push_back(word);
-  EXPECT_EQ(run_coupler_with(folder, command), 0) << read_text(folder / "output.txt");
-}
-
-TEST(KeepsEveryPromise, PistonFluid) {
-  expect_conform(std::string(piston) + " fluid --impedance 3 --size 1 1 --cells 3 2");
-}
-
-TEST(KeepsEveryPromise, PistonMeshMover) {
-  expect_conform(std::string(piston) + " mesh_mover --size 1 1 --cells 3 2");
-}
-
-TEST(KeepsEveryPromise, Spring) {
-  expect_conform(std::string(spring) + " --mass 1 --stiffness 4 --start 0.1");
+// CalculiX, driven by the adapter of examples/python_calculix, as the structure: an elastic bar of length l,
+// held at one end, whose other end is wetted by a fluid of the bar's own impedance, rho c = sqrt(E rho_s).
+// The pressure p of the fluid sets in at t = 0; the bar's wave comes back from the held end and passes into
+// the fluid without reflection:
+//   u = p t / (2 rho c) until 2 l / c, and p l / E from then on.
+TEST(PistonFluid, MatchesTheBarOfCalculix) {
+  if (std::system("command -v ccx > /dev/null") != 0)
+    GTEST_SKIP() << "CalculiX is not installed (calculix-ccx)";
+  constexpr double l = 1, young = 100, density = 1, side = 0.2, p = 1,
+                   dt = 0.01; // examples/python_calculix/bar.inp
+  const double impedance = std::sqrt(young * density);
+  const auto folder = fresh_folder("bar");
+  std::string structure =
+      participant("structure", DROGUE_SOURCE_DIR
+                  "/examples/python_calculix/calculix_structure.py --deck " DROGUE_SOURCE_DIR
+                  "/examples/python_calculix/bar.inp --surface WET");
+  structure.replace(structure.find(" }"), 2, " environment: 'PYTHONPATH=" DROGUE_PYTHON_DIR "' }");
+  Wall wall{impedance, side, side, 0, 3, 2};
+  wall.pressure = p;
+  write_case(folder, structure + wall.participants(), dt, 30, "relative: 1e-5 absolute: 1e-8");
+  const Table drag = run_case(folder);
+  ASSERT_EQ(drag.rows.size(), 30U);
+  const auto u = [&](int step) { return drag.at(static_cast<std::size_t>(step) - 1, "mean_displacement_z"); };
+  const std::string name = "coupler/calculix_bar_on_piston";
+  verify_relative(name, "velocity", (u(16) - u(6)) / (10 * dt), p / (2 * impedance), 0.02);
+  verify_relative(name, "displacement_at_half_time", u(10), 0.5 * p * l / young, 0.05);
+  verify_relative(name, "displacement_at_the_end", u(30), p * l / young, 0.03);
 }
 
 } // namespace

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drogue import wire
+from drogue.keys import KeyProblem
 from drogue.transport import Lost, Transport, TransportFailure
 from drogue.v1 import wire_pb2
 from drogue.v1.wire_pb2 import FieldContract
@@ -123,7 +124,8 @@ class Solver:
         """Saves what rollback() needs. `time` is t_n."""
 
     def iterate(self, inputs):
-        """Takes and returns arrays {nodes, components} by name; returns (outputs, Report)."""
+        """Takes and returns arrays {nodes, components} by name; returns (outputs, Report). The inputs lie where they were
+        received, and are the solver's to keep or change."""
         raise NotImplementedError
 
     def commit(self, write_output):
@@ -330,7 +332,8 @@ def report_progress(phase, inner_iteration=0, inner_residual=0.0):
 
 def serve(solver, endpoint, participant=None, run_id=None, deadline=None):
     """Connects and serves until Shutdown. Name, run id and deadline in seconds default to what the coupler's launcher
-    sets: DROGUE_PARTICIPANT, DROGUE_RUN_ID, DROGUE_PEER_DEADLINE (one hour when not set).
+    sets: DROGUE_PARTICIPANT, DROGUE_RUN_ID, DROGUE_PEER_DEADLINE (one hour when not set). A coupler on another machine
+    must have keys: DROGUE_KEY, the file of the participant's own pair, and DROGUE_COUPLER_KEY, the coupler's public key.
 
     Raises SolverError, or PeerError when the coupler is gone, silent beyond the deadline, or aborts, or
     TransportFailure."""
@@ -344,9 +347,13 @@ def serve(solver, endpoint, participant=None, run_id=None, deadline=None):
             "fluid, structure or mesh_mover",
             Error.CONFIGURATION,
         )
-    transport = Transport(endpoint, participant, run_id)
+    own_keys = os.environ.get("DROGUE_KEY", ""), os.environ.get("DROGUE_COUPLER_KEY", "")
+    transport = Transport(endpoint, participant, run_id, *own_keys)
     try:
-        transport.start()
+        try:
+            transport.start()
+        except KeyProblem as error:
+            raise SolverError(str(error), Error.CONFIGURATION) from error
         _transport = transport
         try:
             _Server(solver, transport, run_id).run(deadline)

@@ -12,7 +12,7 @@ from collections import deque
 import zmq
 from zmq.utils.monitor import recv_monitor_message
 
-from drogue import wire
+from drogue import keys, wire
 
 BEAT_INTERVAL = 1.0
 # How long a solver that is in the middle of its work may go on after the coupler is gone.
@@ -34,8 +34,10 @@ class Transport:
     """Hands requests to the solver's thread one by one, sends its answers, answers a repeated request from its cache,
     beats while the solver works, and notices when the coupler is gone."""
 
-    def __init__(self, endpoint, participant, run_id):
+    def __init__(self, endpoint, participant, run_id, key_file="", coupler_key=""):
         self.endpoint, self.participant, self.run_id = endpoint, participant, run_id
+        self._keys = key_file, coupler_key
+        self._connected = False  # the coupler has taken the connection, with its keys
         self.progress = ("", 0, 0.0)  # phase, inner iteration, inner residual; replaced as a whole
         self._incoming = queue.Queue()  # requests; None when the coupler is lost
         self._outgoing = deque()
@@ -51,14 +53,20 @@ class Transport:
         self._last_beat = 0.0
 
     def start(self):
-        """Connects and starts the thread."""
+        """Connects and starts the thread. Raises keys.KeyProblem, or Lost."""
         self._context = zmq.Context()
         self._socket = self._context.socket(zmq.DEALER)
         self._socket.setsockopt(zmq.LINGER, 0)
         self._socket.setsockopt(zmq.MAXMSGSIZE, wire.MAX_FRAME_BYTES)
         self._socket.setsockopt(zmq.SNDTIMEO, int(1000 * SEND_DEADLINE))
         self._socket.setsockopt(zmq.IDENTITY, self.participant.encode())
-        self._monitor = self._socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
+        keys.use(self._socket, self.endpoint, *self._keys)
+        self._monitor = self._socket.get_monitor_socket(
+            zmq.EVENT_DISCONNECTED
+            | zmq.EVENT_HANDSHAKE_SUCCEEDED
+            | zmq.EVENT_HANDSHAKE_FAILED_AUTH
+            | zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+        )
         self._wake_out = self._context.socket(zmq.PAIR)
         self._wake_out.bind("inproc://wake")
         self._wake_in = self._context.socket(zmq.PAIR)
@@ -130,14 +138,23 @@ class Transport:
             if self._socket in ready:
                 self._receive()
             if self._monitor in ready:
-                recv_monitor_message(self._monitor)
-                self._lose("the coupler closed the connection")
+                self._follow_connection(recv_monitor_message(self._monitor)["event"])
             self._beat()
             self._leave_if_abandoned()
 
+    def _follow_connection(self, event):
+        if event == zmq.EVENT_HANDSHAKE_SUCCEEDED:
+            self._connected = True
+        elif event == zmq.EVENT_HANDSHAKE_FAILED_AUTH:
+            self._lose("the coupler does not allow this participant's key")
+        elif self._connected:
+            self._lose("the coupler closed the connection")
+        else:
+            self._lose("the coupler closed the connection before it was set up: do the keys fit?")
+
     def _receive(self):
         try:
-            request = wire.decode(self._socket.recv_multipart())
+            request = wire.decode(self._socket.recv_multipart(copy=False))
         except wire.WireError as error:
             self._lose(str(error))
             return

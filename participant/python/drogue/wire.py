@@ -12,6 +12,7 @@ VERSION = 1
 MAGIC = b"DRGW" + bytes([VERSION])
 MAX_ARRAYS = 64
 MAX_FRAME_BYTES = 8 << 30
+MAX_ENVELOPE_BYTES = 1 << 20
 
 _FLOAT64 = wire_pb2.ArrayHeader.FLOAT64
 _INT64 = wire_pb2.ArrayHeader.INT64
@@ -47,24 +48,31 @@ def encode(message):
 
 
 def decode(frames):
-    """The message of some frames; verifies magic, version, sizes and checksums. Raises WireError."""
+    """The message of some frames (bytes, or ZeroMQ's own); verifies magic, version, sizes and checksums. The arrays lie
+    in the frames: nothing is copied. Raises WireError."""
+    frames = [memoryview(frame) for frame in frames]
     if len(frames) < 2:
         raise WireError(f"a message of {len(frames)} frames is too short: magic and envelope expected")
-    if len(frames[0]) != len(MAGIC) or frames[0][:4] != MAGIC[:4]:
+    if frames[0].nbytes > MAX_ENVELOPE_BYTES or frames[1].nbytes > MAX_ENVELOPE_BYTES:
+        raise WireError(f"an envelope of more than {MAX_ENVELOPE_BYTES} bytes")
+    magic, body = frames[0].tobytes(), frames[1].tobytes()
+    if len(magic) != len(MAGIC) or magic[:4] != MAGIC[:4]:
         raise WireError('not a Drogue message: the first frame must be "DRGW" and the version')
-    if frames[0][4] != VERSION:
-        raise WireError(f"the peer speaks protocol version {frames[0][4]}, this side version {VERSION}")
+    if magic[4] != VERSION:
+        raise WireError(f"the peer speaks protocol version {magic[4]}, this side version {VERSION}")
     message = Message()
     try:
-        message.envelope.ParseFromString(frames[1])
+        message.envelope.ParseFromString(body)
     except Exception as error:  # protobuf raises its own DecodeError
-        raise WireError(f"the envelope cannot be parsed ({len(frames[1])} bytes)") from error
+        raise WireError(f"the envelope cannot be parsed ({len(body)} bytes)") from error
     headers = message.envelope.array
     if len(headers) > MAX_ARRAYS:
         raise WireError(f"a message of more than {MAX_ARRAYS} arrays")
     if len(frames) != 2 + len(headers):
         raise WireError(f"the envelope announces {len(headers)} arrays, {len(frames) - 2} frames follow")
     for header, frame in zip(headers, frames[2:]):
+        if header.name in message.arrays:
+            raise WireError(f'array "{header.name}" comes twice')
         message.arrays[header.name] = _unpack(header, frame)
     return message
 
@@ -76,8 +84,8 @@ def _unpack(header, frame):
         count *= extent
     if count * 8 != header.byte_length:
         raise WireError(f'array "{header.name}": shape {_braces(shape)} does not make {header.byte_length} bytes')
-    if len(frame) != header.byte_length:
-        raise WireError(f'array "{header.name}": expected {header.byte_length} bytes, the frame has {len(frame)}')
+    if frame.nbytes != header.byte_length:
+        raise WireError(f'array "{header.name}": expected {header.byte_length} bytes, the frame has {frame.nbytes}')
     checksum = zlib.crc32(frame)
     if checksum != header.crc32:
         raise WireError(
@@ -85,7 +93,7 @@ def _unpack(header, frame):
         )
     if header.type not in _TYPES:
         raise WireError(f'array "{header.name}" has an unknown type ({header.type})')
-    return np.frombuffer(frame, dtype=_TYPES[header.type]).reshape(shape).copy()
+    return np.frombuffer(frame, dtype=_TYPES[header.type]).reshape(shape)
 
 
 def _braces(shape):

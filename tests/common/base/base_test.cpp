@@ -54,6 +54,26 @@ TEST(Crc32, AgreesWithTheCheckValue) {
   EXPECT_NE(crc32(bytes("123456788")), crc32(bytes("123456789")));
 }
 
+/// Long messages are folded register by register: any length, start and split give what a byte at a time
+/// gives.
+TEST(Crc32, IsThatOfItsParts) {
+  std::vector<std::byte> message(5000);
+  for (std::size_t i = 0; i < message.size(); ++i) message[i] = static_cast<std::byte>((i * i + 7 * i) % 251);
+  const auto by_bytes = [](std::span<const std::byte> part) {
+    std::uint32_t crc = 0;
+    for (const std::byte& b : part) crc = crc32({&b, 1}, crc);
+    return crc;
+  };
+  for (const std::size_t start : {0, 1, 13})
+    for (const std::size_t size : {63, 64, 255, 256, 257, 319, 320, 1000, 4096, 4987}) {
+      const auto part = std::span<const std::byte>(message).subspan(start, size);
+      const std::uint32_t expected = by_bytes(part);
+      EXPECT_EQ(crc32(part), expected) << start << ", " << size;
+      EXPECT_EQ(crc32(part.subspan(size / 3), crc32(part.first(size / 3))), expected)
+          << start << ", " << size;
+    }
+}
+
 TEST(NearestName, FindsTypingErrorsOnly) {
   const std::vector<std::string> names = {"time_step", "end_time", "boundary", "u"};
   EXPECT_EQ(nearest_name("tiem_step", names), "time_step");

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs the SDK, and nothing else of the build, into PREFIX; then builds the examples in C and C++ against it, as a
-# stranger would. cmake -D BUILD=... -D SOURCE=... -D PREFIX=... -D EXAMPLES=... -P build_examples.cmake
+# Installs the SDK, and nothing else of the build, into PREFIX; then builds the examples in C, C++ and Fortran against it, as a
+# stranger would. cmake -D BUILD=... -D SOURCE=... -D PREFIX=... -D EXAMPLES=... -D CC=... [-D FORTRAN=...] -P build_examples.cmake
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(status)
@@ -10,7 +10,11 @@ endfunction()
 
 file(REMOVE_RECURSE ${PREFIX} ${EXAMPLES})
 run(${CMAKE_COMMAND} --install ${BUILD} --component participant --prefix ${PREFIX})
-foreach(example c_piston_fluid cpp_spring)
+set(examples c_piston_fluid cpp_spring)
+if(FORTRAN)
+  list(APPEND examples fortran_spring)
+endif()
+foreach(example ${examples})
   run(${CMAKE_COMMAND} -S ${SOURCE}/examples/${example} -B ${EXAMPLES}/${example} -D CMAKE_PREFIX_PATH=${PREFIX}
       -D CMAKE_BUILD_TYPE=Release)
   run(${CMAKE_COMMAND} --build ${EXAMPLES}/${example})
