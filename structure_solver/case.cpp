@@ -7,6 +7,7 @@
 
 #include "common/mesh/msh.hpp"
 #include "structure_solver/group_roles.hpp"
+#include "structure_solver/line_forces.hpp"
 #include "structure_solver/load_values.hpp"
 #include "structure_solver/probes.hpp"
 #include "structure_solver/state_io.hpp"
@@ -117,6 +118,7 @@ Result<Case> load_case(const std::filesystem::path& file, Role role) {
   auto model = build_model(c.settings, std::move(*mesh), report);
   if (!model) return report.as_error();
   check_probes(c.settings, *model, report);
+  (void)line_forces(c.settings, *model, report);
   c.model = std::make_unique<const Model>(std::move(*model));
   if (!c.settings.initial_state || std::filesystem::is_regular_file(*c.settings.initial_state, ignored)) {
     auto start = start_state(c.settings, *c.model);

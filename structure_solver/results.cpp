@@ -4,10 +4,35 @@
 #include <fmt/format.h>
 
 namespace drogue::structure {
+namespace {
+
+/// Sum of m v.
+std::array<double, 3> momentum(const Model& model, std::span<const double> v) {
+  std::array<double, 3> sum{};
+  for (std::size_t i = 0; i < v.size(); ++i) sum[i % 3] += model.mass[i / 3] * v[i];
+  return sum;
+}
+
+/// Sum of m g.
+std::array<double, 3> weight(const Model& model, double time) {
+  std::array<double, 3> sum{};
+  for (const WeightedLoad& load : model.loads)
+    if (load.name == "gravity")
+      for (std::size_t k = 0; k < load.nodes.size(); ++k)
+        for (std::size_t c = 0; c < 3; ++c) {
+          const double* X = &model.mesh.points[3 * static_cast<std::size_t>(load.nodes[k])];
+          if (!load.value[c].is_zero()) sum[c] += load.weight[k] * load.value[c](X[0], X[1], X[2], time);
+        }
+  return sum;
+}
+
+} // namespace
 
 Results::Results(const Settings& settings, const Model& model, std::filesystem::path directory)
     : settings_(settings.output), model_(model), directory_(std::move(directory)) {
   for (const ProbeSettings& probe : settings.probes) probes_.push_back(locate(model, probe));
+  config::Report reported_by_the_check;
+  line_forces_ = line_forces(settings, model, reported_by_the_check);
 }
 
 std::vector<std::string> Results::series_columns() const {
@@ -16,8 +41,13 @@ std::vector<std::string> Results::series_columns() const {
       "strain_energy", "unbalance",      "max_stress",          "min_stress",
       "max_tension",   "slack_fraction", "wrinkled_fraction",   "external_work",
       "support_work",  "actuator_work",  "damping_dissipation", "energy_lost"};
-  for (const SupportSet& support : model_.supports)
-    for (const char* c : {"x", "y", "z"}) columns.push_back(fmt::format("reaction_{}_{}", support.group, c));
+  const auto add = [&](const std::string& name) {
+    for (const char* c : {"x", "y", "z"}) columns.push_back(fmt::format("{}_{}", name, c));
+  };
+  add("momentum");
+  add("weight");
+  for (const SupportSet& support : model_.supports) add("reaction_" + support.group);
+  for (const LineForce& force : line_forces_) add("line_force_" + force.name);
   return columns;
 }
 
@@ -86,8 +116,13 @@ Result<void> Results::row(const Step& step) {
                                 balance.ledger.actuator,
                                 balance.ledger.damping,
                                 balance.energy_lost};
-  for (const auto& reaction : balance.reactions)
-    values.insert(values.end(), reaction.begin(), reaction.end());
+  const auto add = [&](const std::array<double, 3>& value) {
+    values.insert(values.end(), value.begin(), value.end());
+  };
+  add(momentum(model_, state.v));
+  add(weight(model_, state.time));
+  for (const auto& reaction : balance.reactions) add(reaction);
+  for (const LineForce& force : line_forces_) add(force(model_, stress, state.u));
   DROGUE_TRY(series_.row(values));
   if (!probe_series_) return {};
   values = {state.time};

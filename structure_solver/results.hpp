@@ -11,13 +11,15 @@
 #include "common/io/vtu.hpp"
 #include "structure_solver/fields.hpp"
 #include "structure_solver/integrator.hpp"
+#include "structure_solver/line_forces.hpp"
 #include "structure_solver/probes.hpp"
 
 namespace drogue::structure {
 
 /// Writes the results of a run into one folder:
 ///   structure.csv     a row every series_interval steps: time, step, Newton iterations, energies and their
-///                     balance (docs/theory.md), unbalance, stresses, tensions, reactions
+///                     balance (docs/theory.md), unbalance, stresses, tensions, momentum sum of m v,
+///                     weight sum of m g, reactions, forces of line groups
 ///   probes.csv        displacement, velocity and acceleration of each probe
 ///   structure_N.vtu, structure.pvd   every field_interval steps, on the current positions: displacement,
 ///   velocity,
@@ -55,6 +57,7 @@ class Results {
   const Model& model_;
   std::filesystem::path directory_;
   std::vector<ProbePoint> probes_;
+  std::vector<LineForce> line_forces_;
   bool open_ = false;
   io::CsvWriter series_;
   std::optional<io::CsvWriter> probe_series_;

@@ -161,6 +161,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.threads = m.threads();
   s.output = {m.output().directory(), m.output().field_interval(), m.output().series_interval()};
   for (const auto& p : m.probe()) s.probes.push_back({p.name(), {p.x(), p.y(), p.z()}});
+  for (const auto& f : m.line_force()) s.line_forces.push_back({f.name(), f.group(), f.at()});
   return s;
 }
 

@@ -102,6 +102,12 @@ struct OutputSettings {
 
 /// A config of structure_solver, read and checked against its schema. proto/drogue/v1/structure.proto says
 /// what each value means. File names are resolved.
+struct LineForceSettings {
+  std::string name;
+  std::string group; ///< of lines
+  std::string at;    ///< of the nodes they pull at
+};
+
 struct Settings {
   std::filesystem::path mesh;
   std::optional<std::filesystem::path> initial_state;
@@ -129,6 +135,7 @@ struct Settings {
   int threads = 0; ///< of the assembly; 0: one for each processor, or OMP_NUM_THREADS
   OutputSettings output;
   std::vector<ProbeSettings> probes;
+  std::vector<LineForceSettings> line_forces;
   /// Where each field stands, for errors that only the mesh can tell.
   config::Source source;
 };

@@ -9,12 +9,13 @@ import field_pictures
 import series_pictures
 from result_files import NothingToDraw
 
-plt.rcParams.update({"font.size": 11, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False,
-                     "axes.spines.right": False, "figure.dpi": 120, "savefig.bbox": "tight"})
+SETTINGS = {"font.size": 11, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False, "axes.spines.right": False,
+            "figure.dpi": 120, "savefig.bbox": "tight"}
 
 
 def main() -> int:
     run, output = map(pathlib.Path, sys.argv[1:3])
+    plt.rcParams.update(SETTINGS)
     output.mkdir(parents=True, exist_ok=True)
     drawn = 0
     for name, draw in (("canopy", field_pictures.canopy), ("drag", series_pictures.drag),

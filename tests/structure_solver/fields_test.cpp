@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "structure_solver/fields.hpp"
+#include "structure_solver/line_forces.hpp"
 #include "tests/structure_solver/test_structures.hpp"
 
 namespace drogue::structure {
@@ -84,6 +85,47 @@ TEST(PrincipalAxes, OfALineIsItsOwn) {
   const StressFields f = stress_fields(model, std::vector<double>(model.equation_count(), 0.0), 0);
   expect_axis(f.cell_largest_direction, 3, to / 3);
   EXPECT_EQ(f.cell_smallest_direction, std::vector<double>(9, 0.0));
+}
+
+/// A chain pulled apart at its second node: that node feels both lines, the group of all nodes none.
+TEST(LineForces, AreTheTensionsOfTheLinesThatEndThere) {
+  Settings s;
+  LineMaterial wire;
+  wire.area = 2, wire.density = wire.youngs_modulus = 1;
+  s.trusses = {{"line", wire, {}}};
+  s.line_forces = {{"middle", "line", "node"}};
+  mesh::Mesh mesh = test::chain(3, Eigen::Vector3d::Zero(), Eigen::Vector3d(3, 0, 0));
+  mesh.blocks.push_back({"node", ElementKind::point1, {1}});
+  const Model model = test::model(s, mesh);
+  std::vector<double> u(model.equation_count(), 0.0);
+  u[3 * 1 + 1] = 1; // to (1, 1, 0): lines to (0, 0, 0) and (2, 0, 0), length sqrt(2) from 1
+  const StressFields stress = stress_fields(model, u, 0);
+  config::Report report;
+  const auto forces = line_forces(s, model, report);
+  ASSERT_TRUE(report.ok());
+  ASSERT_EQ(forces.size(), 1U);
+  ASSERT_EQ(forces[0].ends.size(), 2U);
+  const auto force = forces[0](model, stress, u);
+  const double tension = 2 * 0.5 * (2 - 1) * std::sqrt(2.0); // area, Green strain, stretch
+  EXPECT_NEAR(force[0], 0, 1e-12);
+  EXPECT_NEAR(force[1], -2 * tension / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(force[2], 0, 1e-12);
+}
+
+TEST(LineForces, WithoutALineThatEndsThereAreRefused) {
+  Settings s;
+  LineMaterial wire;
+  wire.area = wire.density = wire.youngs_modulus = 1;
+  s.trusses = {{"line", wire, {}}};
+  const Model model = test::model(s, test::chain(3, Eigen::Vector3d::Zero(), Eigen::Vector3d(3, 0, 0)));
+  for (const LineForceSettings& wrong :
+       {LineForceSettings{"a", "line", "line"}, LineForceSettings{"a", "lines", "line"},
+        LineForceSettings{"a", "line", "nodes"}}) {
+    s.line_forces = {wrong};
+    config::Report report;
+    (void)line_forces(s, model, report);
+    EXPECT_FALSE(report.ok()) << wrong.group << " at " << wrong.at;
+  }
 }
 
 } // namespace
