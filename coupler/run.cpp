@@ -46,6 +46,17 @@ class Progress {
   Clock::time_point start_ = Clock::now();
 };
 
+/// What iteration suits, where H carries about -ratio of a change of d back.
+std::string advice(double ratio) {
+  if (ratio < 0.3) return "any iteration converges, CONSTANT with relaxation 1 too";
+  if (ratio < 3)
+    return fmt::format("AITKEN or IQN_ILS, first relaxation about {:.1g}; a plain iteration {}",
+                       1 / (1 + ratio), ratio < 1 ? "is slow" : "diverges");
+  return fmt::format(
+      "IQN_ILS or IQN_IMVJ that keep secants, first relaxation about {:.1g}; a plain iteration diverges",
+      1 / (1 + ratio));
+}
+
 void summarise(const LoopTotals& totals, Participants& participants, double seconds) {
   spdlog::info(
       "{} steps{}, {} iterations: {:.2f} a step on average, {} at most; {} not converged, {} retried",
@@ -56,8 +67,9 @@ void summarise(const LoopTotals& totals, Participants& participants, double seco
     spdlog::info("acceleration: {:.1f} secants an iteration on average, {:.1f} more left out by the filter",
                  totals.used_columns / std::max(totals.iterations, 1),
                  totals.dropped_columns / std::max(totals.iterations, 1));
-  spdlog::info("added mass: the fluid answers with about {:.2g} times the structure's own inertia",
-               totals.added_mass_ratio);
+  if (totals.added_mass_ratio > 0)
+    spdlog::info("added mass: the fluid answers with about {:.2g} times the structure's own inertia: {}",
+                 totals.added_mass_ratio, advice(totals.added_mass_ratio));
   double everyone = 0;
   std::string shares;
   for (const auto& peer : participants.hub().peers()) {

@@ -25,6 +25,20 @@ NonConvergence from(v1::CouplingLoop::NonConvergence policy) {
   return NonConvergence::abort;
 }
 
+LoadTime load_time(const v1::CouplingLoop& l) {
+  switch (l.load()) {
+  case v1::CouplingLoop::MATCHING:
+    return l.wall_velocity() == v1::CouplingLoop::MESH_RATE ? LoadTime::mean_of_step : LoadTime::end_of_step;
+  case v1::CouplingLoop::END_OF_STEP:
+    return LoadTime::end_of_step;
+  case v1::CouplingLoop::MEAN_OF_STEP:
+    return LoadTime::mean_of_step;
+  case v1::CouplingLoop::EXTRAPOLATED_MEAN:
+    return LoadTime::extrapolated_mean;
+  }
+  return LoadTime::end_of_step;
+}
+
 acceleration::Method from(v1::Acceleration::Method method) {
   switch (method) {
   case v1::Acceleration::CONSTANT:
@@ -33,6 +47,8 @@ acceleration::Method from(v1::Acceleration::Method method) {
     return acceleration::Method::aitken;
   case v1::Acceleration::IQN_ILS:
     return acceleration::Method::iqn_ils;
+  case v1::Acceleration::IQN_IMVJ:
+    return acceleration::Method::iqn_imvj;
   }
   return acceleration::Method::iqn_ils;
 }
@@ -135,6 +151,19 @@ LoopSettings loop(const v1::CouplingLoop& l, const config::Source& source, confi
   s.wall_velocity = l.wall_velocity() == v1::CouplingLoop::MESH_RATE ? WallVelocity::mesh_rate
                                                                      : WallVelocity::structure_rate;
   s.inner_residual = l.inner_residual();
+  s.load = load_time(l);
+  if (s.wall_velocity == WallVelocity::mesh_rate && s.load != LoadTime::mean_of_step)
+    report.error(
+        source.where("loop.load"),
+        fmt::format(
+            "loop.load {} does not go with loop.wall_velocity MESH_RATE: the pair converges to a wrong "
+            "answer; take MEAN_OF_STEP, or STRUCTURE_RATE",
+            v1::CouplingLoop::Load_Name(l.load())));
+  s.scheme = l.scheme() == v1::CouplingLoop::PARALLEL ? Scheme::parallel : Scheme::serial;
+  s.residual_relative = l.residual_relative();
+  s.velocity_relative = l.velocity_relative();
+  s.load_relative = l.load_relative() > 0 || s.scheme == Scheme::serial ? l.load_relative() : l.relative();
+  s.stall = l.stall();
   return s;
 }
 
@@ -202,6 +231,11 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.steps = c.time().steps();
   s.loop = loop(c.loop(), source, report);
   s.acceleration = accelerator(c.acceleration());
+  if (s.loop.scheme == Scheme::parallel && s.acceleration.method == acceleration::Method::aitken)
+    report.error(source.where("acceleration.method"),
+                 "acceleration.method AITKEN does not go with loop.scheme PARALLEL: displacement and load "
+                 "need more than "
+                 "one factor; take IQN_ILS or IQN_IMVJ");
   const v1::ProjectionConfig& p = c.projection();
   s.projection = {p.largest_gap(), p.quadrature_order(), p.largest_unmatched_area(),
                   p.largest_normal_angle()};

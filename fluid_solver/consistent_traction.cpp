@@ -15,23 +15,34 @@ std::size_t at(std::int32_t i) {
   return static_cast<std::size_t>(i);
 }
 
-} // namespace
-
-std::vector<double> nodal_forces(const Settings& settings, const FluidMesh& mesh, const FlowSolver& solver) {
+/// -rho times a combination of the residuals at both ends of a slab, or of the only one.
+std::vector<double> combined(const Settings& settings, const FluidMesh& mesh, const FlowSolver& solver,
+                             double at_n, double at_np1) {
   const auto residual = solver.system().residual();
   const auto n = static_cast<std::size_t>(solver.system().unknowns());
-  const double dt = solver.step_data().dt;
   const std::size_t rows = residual.size() / n;
   std::vector<double> own(3 * rows);
   for (std::size_t i = 0; i < rows; ++i)
     for (std::size_t d = 0; d < 3; ++d) {
       const double* R = residual.data() + n * i;
-      const double r = n == 8 ? 2 / dt * (2 * R[4 + d] - R[d]) : R[d];
-      own[3 * i + d] = -settings.density * r;
+      own[3 * i + d] = -settings.density * (n == 8 ? at_n * R[d] + at_np1 * R[4 + d] : R[d]);
     }
   std::vector<double> all(3 * at(mesh.node_count()));
   la::gather_to_all(la::partition_rows(mesh.graph, la::rank_count()), 3, own, all);
   return all;
+}
+
+} // namespace
+
+std::vector<double> nodal_forces(const Settings& settings, const FluidMesh& mesh, const FlowSolver& solver) {
+  const double dt = solver.step_data().dt;
+  return combined(settings, mesh, solver, -2 / dt, 4 / dt);
+}
+
+std::vector<double> mean_nodal_forces(const Settings& settings, const FluidMesh& mesh,
+                                      const FlowSolver& solver) {
+  const double dt = solver.step_data().dt;
+  return combined(settings, mesh, solver, 1 / dt, 1 / dt);
 }
 
 Result<std::vector<double>> traction_of(std::span<const double> forces, const FluidMesh& mesh,

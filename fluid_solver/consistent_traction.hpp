@@ -20,6 +20,10 @@ namespace drogue::fluid {
 [[nodiscard]] std::vector<double> nodal_forces(const Settings& settings, const FluidMesh& mesh,
                                                const FlowSolver& solver);
 
+/// Their mean over the step: f = -rho (R_0 + R_1)/dt. @note Collective
+[[nodiscard]] std::vector<double> mean_nodal_forces(const Settings& settings, const FluidMesh& mesh,
+                                                    const FlowSolver& solver);
+
 /// The traction t_b N_b whose nodal forces int N_a N_b t_b dGamma on the boundaries' faces at t_{n+1} are
 /// `forces` {n, 3}: solved with the mass matrix of the surface. {nodes.size(), 3} [stress]; `nodes`: those of
 /// the boundaries, ascending. Errors (ErrorKind::numerical): a face without area.

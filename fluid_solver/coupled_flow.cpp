@@ -119,6 +119,7 @@ Result<void> CoupledFlow::iterate(const std::vector<double>& numbers) {
   // 4. the residual of the last iterate
   if (const auto last = solver.finish(); !last) return last.error();
   forces_ = nodal_forces(input_.settings, input_.mesh, solver);
+  mean_forces_ = mean_nodal_forces(input_.settings, input_.mesh, solver);
   return {};
 }
 
@@ -131,16 +132,28 @@ Result<std::vector<double>> CoupledFlow::load() const {
       out.push_back(input_.settings.density * p[at(input_.mesh.from_file[at(node)])]);
     return out;
   }
+  return traction(solver.velocity_np1(), solver.pressure_np1(), forces_);
+}
+
+Result<std::vector<double>> CoupledFlow::mean_traction() const {
+  const auto& solver = run_.solver();
+  std::vector<double> u = solver.velocity_np1();
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = 0.5 * (u[i] + solver.state().u[i]);
+  return traction(u, solver.pressure_mean(), mean_forces_);
+}
+
+/// From velocity and pressure, or for the consistent traction from nodal forces; on the mesh at t_{n+1}.
+Result<std::vector<double>> CoupledFlow::traction(const std::vector<double>& u, const std::vector<double>& p,
+                                                  const std::vector<double>& forces) const {
   const auto boundaries = boundary_indices(input_.mesh, input_.settings.interface);
   const std::vector<std::int32_t> nodes = input_.mesh.nodes_of(boundaries);
-  const std::vector<double>& x = solver.step_data().x_np1;
-  std::vector<double> t;
+  const std::vector<double>& x = run_.solver().step_data().x_np1;
+  std::vector<double> t, out;
   if (input_.settings.interface_load == InterfaceLoad::traction) {
-    t = nodal_traction(input_.settings, input_.mesh, x, solver.velocity_np1(), solver.pressure_np1(),
-                       boundaries, nodes);
+    t = nodal_traction(input_.settings, input_.mesh, x, u, p, boundaries, nodes);
     for (double& value : t) value *= input_.settings.density;
   } else {
-    auto made = traction_of(forces_, input_.mesh, x, boundaries, nodes);
+    auto made = traction_of(forces, input_.mesh, x, boundaries, nodes);
     if (!made) return made.error();
     t = std::move(*made);
   }

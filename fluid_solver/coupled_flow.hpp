@@ -55,18 +55,23 @@ class CoupledFlow {
   /// {n}.
   [[nodiscard]] Result<std::vector<double>> load() const;
   [[nodiscard]] std::vector<double> mean_pressure() const;
+  /// The slab's mean traction {n, 3}, made as the settings say. @pre the load is a traction
+  [[nodiscard]] Result<std::vector<double>> mean_traction() const;
 
  private:
   [[nodiscard]] Result<void> initialize();
   [[nodiscard]] Result<void> iterate(const std::vector<double>& numbers);
   [[nodiscard]] Result<void> restore(const std::string& directory);
+  [[nodiscard]] Result<std::vector<double>> traction(const std::vector<double>& u,
+                                                     const std::vector<double>& p,
+                                                     const std::vector<double>& forces) const;
 
   const Case& input_;
   FlowRun run_;
   std::vector<std::int32_t> interface_file_nodes_;
   std::vector<double> base_points_; ///< solver's order
   NewtonReport report_;
-  std::vector<double> forces_; ///< nodal, of the last iterate, for the consistent traction
+  std::vector<double> forces_, mean_forces_; ///< nodal, of the last iterate, for the consistent traction
   bool resume_ = false;
   bool advanced_ = false; ///< a step was committed, or restored: there is something to write at the end
 };

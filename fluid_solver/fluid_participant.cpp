@@ -47,7 +47,9 @@ participant::Description FluidParticipant::describe() {
   if (input_.settings.interface_load == InterfaceLoad::pressure)
     d.outputs = {field("pressure", FieldContract::PRESSURE, FieldContract::INTERFACE_NODES, 1)};
   else
-    d.outputs = {field("traction", FieldContract::TRACTION, FieldContract::INTERFACE_NODES, 3)};
+    d.outputs = {field("traction", FieldContract::TRACTION, FieldContract::INTERFACE_NODES, 3),
+                 field("mean_traction", FieldContract::TRACTION, FieldContract::INTERFACE_NODES, 3,
+                       FieldContract::MEAN_OF_STEP, true)};
   d.outputs.push_back(field("mean_pressure", FieldContract::PRESSURE, FieldContract::INTERFACE_NODES, 1,
                             FieldContract::MEAN_OF_STEP, true));
   d.pids = pids_;
@@ -104,6 +106,11 @@ Result<participant::IterationReport> FluidParticipant::iterate(const participant
   auto load = flow_.load();
   if (!load) return load.error();
   outputs[pressure ? "pressure" : "traction"] = array(std::move(*load), pressure ? 1 : 3);
+  if (!pressure) {
+    auto mean = flow_.mean_traction();
+    if (!mean) return mean.error();
+    outputs["mean_traction"] = array(std::move(*mean), 3);
+  }
   outputs["mean_pressure"] = array(flow_.mean_pressure(), 1);
   const NewtonReport& report = flow_.last_report();
   return participant::IterationReport{static_cast<std::uint32_t>(report.iterations), report.residual,

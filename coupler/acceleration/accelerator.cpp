@@ -35,6 +35,7 @@ Result<std::unique_ptr<Accelerator>> make_accelerator(const Settings& s, std::si
     made = std::make_unique<AitkenRelaxation>(s, weights, n);
     break;
   case Method::iqn_ils:
+  case Method::iqn_imvj:
     made = std::make_unique<IqnIls>(s, weights, n, passenger);
     break;
   }

@@ -10,11 +10,11 @@
 #include "common/base/result.hpp"
 
 /// Accelerators of the fixed-point iteration x -> H(x): constant under-relaxation, Aitken's dynamic
-/// relaxation, and the interface quasi-Newton method with an inverse Jacobian from a least-squares model
-/// (IQN-ILS).
+/// relaxation, and the interface quasi-Newton methods with an inverse Jacobian from a least-squares model
+/// (IQN-ILS) and from many (IQN-IMVJ).
 namespace drogue::acceleration {
 
-enum class Method { constant, aitken, iqn_ils };
+enum class Method { constant, aitken, iqn_ils, iqn_imvj };
 
 struct Settings {
   Method method = Method::iqn_ils;
@@ -22,11 +22,11 @@ struct Settings {
   double relaxation = 0.05;
   /// Aitken: bound of the factor's magnitude.
   double max_relaxation = 1;
-  /// IQN-ILS: number of past steps whose columns are kept.
+  /// IQN: number of past steps whose columns are kept.
   int reuse_steps = 20;
-  /// IQN-ILS: a column is dropped when its part orthogonal to the newer ones is below this fraction of it.
+  /// IQN: a column is dropped when its part orthogonal to the newer ones is below this fraction of it.
   double filter = 1e-3;
-  /// IQN-ILS: the oldest columns beyond this number are dropped.
+  /// IQN: the oldest columns beyond this number are dropped.
   int max_columns = 300;
 };
 
@@ -34,7 +34,7 @@ struct Settings {
 struct State {
   std::int64_t step = 0;
   double omega = 0;
-  /// IQN-ILS, newest column first, shapes {columns}, {columns, n}, {columns, n} and {columns, passenger
+  /// IQN, newest column first, shapes {columns}, {columns, n}, {columns, n} and {columns, passenger
   /// size}.
   std::vector<std::int64_t> column_step;
   std::vector<double> column_dr;
@@ -70,6 +70,8 @@ class Accelerator {
   /// Ends a step. Secants of a step that did not converge are true secants and stay; Aitken's factor does
   /// not.
   virtual void end_step(bool converged) = 0;
+  /// Within a step: without all that was learnt, as at the very start.
+  virtual void forget() = 0;
   /// Back to the state before the last begin_step.
   virtual void rollback() = 0;
 

@@ -59,6 +59,11 @@ void IqnIls::end_step(bool) {
   has_last_ = false;
 }
 
+void IqnIls::forget() {
+  columns_.clear();
+  has_last_ = false;
+}
+
 void IqnIls::rollback() {
   columns_ = columns_at_begin_;
   step_ = step_at_begin_;
@@ -91,13 +96,12 @@ std::shared_ptr<const IqnIls::Column> IqnIls::make_column(const Iterate& at) con
   return column;
 }
 
-/// Cholesky of the Gram matrix, newest column first, leaving out what fails the filter.
-void IqnIls::factor() {
+/// Cholesky of the Gram matrix of the columns begin to end, newest first, leaving out what fails the filter.
+void IqnIls::factor(std::size_t begin, std::size_t end) {
   kept_.clear();
   R_.clear();
-  dropped_ = 0;
   const double threshold = std::max(settings_.filter * settings_.filter, smallest_squared_ratio);
-  for (std::size_t k = 0; k < columns_.size() && kept_.size() < r_.size(); ++k) {
+  for (std::size_t k = begin; k < end && kept_.size() < r_.size(); ++k) {
     const std::size_t m = kept_.size();
     double square = columns_[k]->gram[0];
     const double whole = square;
@@ -132,15 +136,15 @@ void IqnIls::solve_normal_equations(std::vector<double>& b) const {
   }
 }
 
-/// arg min | r + sum_j c_j dr_j |, once more on what the first solution leaves. That rest is formed and
+/// arg min | rest + sum_j c_j dr_j |, once more on what the first solution leaves. That rest is formed and
 /// multiplied with the columns block by block, while these are near: the columns are read twice in all.
 std::vector<double> IqnIls::least_squares() const {
-  const std::size_t m = kept_.size(), n = r_.size();
+  const std::size_t m = kept_.size(), n = rest_.size();
   std::vector<double> c(m), more(m, 0.0), rest(rows_at_once);
-  for (std::size_t j = 0; j < m; ++j) c[j] = -dot(columns_[kept_[j]]->dr, r_);
+  for (std::size_t j = 0; j < m; ++j) c[j] = -dot(columns_[kept_[j]]->dr, rest_);
   solve_normal_equations(c);
   for (std::size_t start = 0; start < n; start += rows_at_once) {
-    const auto residual = rows(r_, start);
+    const auto residual = rows(rest_, start);
     const std::span<double> part(rest.data(), residual.size());
     std::copy(residual.begin(), residual.end(), part.begin());
     for (std::size_t j = 0; j < m; ++j) add_scaled(c[j], rows(columns_[kept_[j]]->dr, start), part);
@@ -149,6 +153,27 @@ std::vector<double> IqnIls::least_squares() const {
   solve_normal_equations(more);
   for (std::size_t j = 0; j < m; ++j) c[j] += more[j];
   return c;
+}
+
+/// IQN-ILS: all columns; IQN-IMVJ: those of the step of column `begin`.
+std::size_t IqnIls::end_of_group(std::size_t begin) const {
+  if (settings_.method == Method::iqn_ils) return columns_.size();
+  std::size_t end = begin;
+  while (end < columns_.size() && columns_[end]->step == columns_[begin]->step) ++end;
+  return end;
+}
+
+/// Takes from the rest what the columns of a group can, and adds their part of the update.
+bool IqnIls::add_group(std::size_t begin, std::size_t end, std::span<double> x_next,
+                       std::span<double> passenger_next) {
+  factor(begin, end);
+  used_ += static_cast<int>(kept_.size());
+  const std::vector<double> c = least_squares();
+  if (!all_finite(c)) return false;
+  if (end < columns_.size()) add_columns(c, columns_, kept_, &Column::dr, rest_);
+  add_columns(c, columns_, kept_, &Column::dh, x_next);
+  add_columns(c, columns_, kept_, &Column::dp, passenger_next);
+  return true;
 }
 
 bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double> passenger_next) {
@@ -161,21 +186,20 @@ bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double>
   std::copy(at.h.begin(), at.h.end(), h_last_.begin());
   std::copy(at.h_passenger.begin(), at.h_passenger.end(), p_last_.begin());
   has_last_ = true;
-  // 2. The filtered factor.
-  factor();
-  if (kept_.empty()) {
+  // 2. The groups of columns, each on what the newer ones leave of r.
+  used_ = dropped_ = 0;
+  rest_ = r_;
+  std::vector<double> x(h_last_), passenger(p_last_);
+  for (std::size_t begin = 0; begin < columns_.size(); begin = end_of_group(begin))
+    if (!add_group(begin, end_of_group(begin), x, passenger)) return false;
+  // 3. The update.
+  if (used_ == 0) {
     relax(settings_.relaxation, at.x, at.h, x_next);
     relax(settings_.relaxation, at.x_passenger, at.h_passenger, passenger_next);
     return true;
   }
-  // 3. Least squares, once more on what is left.
-  const std::vector<double> c = least_squares();
-  if (!all_finite(c)) return false;
-  // 4. The update.
-  std::copy(h_last_.begin(), h_last_.end(), x_next.begin());
-  std::copy(p_last_.begin(), p_last_.end(), passenger_next.begin());
-  add_columns(c, columns_, kept_, &Column::dh, x_next);
-  add_columns(c, columns_, kept_, &Column::dp, passenger_next);
+  std::copy(x.begin(), x.end(), x_next.begin());
+  std::copy(passenger.begin(), passenger.end(), passenger_next.begin());
   return true;
 }
 

@@ -8,12 +8,19 @@
 
 namespace drogue::acceleration {
 
-/// Interface quasi-Newton with an inverse Jacobian from a least-squares model [degroote2009].
+/// Interface quasi-Newton with an inverse Jacobian from a least-squares model (IQN-ILS) [degroote2009], or
+/// with the multi-vector one (IQN-IMVJ) [bogaers2014].
 ///
 /// Columns, newest first:  dr_j = r_j - r_{j-1},  dh_j = h_j - h_{j-1},  within one step; those of the last
 /// `reuse_steps` steps are kept.
 ///   c = arg min | r + sum_j c_j dr_j |,   x_next = h + sum_j c_j dh_j,   passenger likewise.
 /// Without any column: constant relaxation.
+///
+/// IMVJ: the secants V_k (of dr), W_k (of dh) of each step k correct the inverse Jacobian of the steps
+/// before,
+///   J_k = J_{k-1} + (W_k - J_{k-1} V_k) V_k^+,  J = 0 before the oldest step kept,   x_next = h - J r.
+/// No matrix is formed: J_k q = W_k a + J_{k-1} (q - V_k a) with a = V_k^+ q is one small least squares a
+/// step, the newest first, on what the newer ones leave of -r. With all columns in one step it is IQN-ILS.
 ///
 /// Filter: with dr = Q R in the order newest first, column j is dropped when R_jj < filter |dr_j|
 /// [haelterman2016, QR2]. R is the Cholesky factor of the Gram matrix, of which every iteration adds one row,
@@ -26,10 +33,11 @@ class IqnIls final : public Accelerator {
   [[nodiscard]] bool next(const Iterate& at, std::span<double> x_next,
                           std::span<double> passenger_next) override;
   void end_step(bool converged) override;
+  void forget() override;
   void rollback() override;
   [[nodiscard]] State save() const override;
   [[nodiscard]] Result<void> restore(const State& state) override;
-  [[nodiscard]] int used_columns() const override { return static_cast<int>(kept_.size()); }
+  [[nodiscard]] int used_columns() const override { return used_; }
   [[nodiscard]] int dropped_columns() const override { return dropped_; }
 
  private:
@@ -44,9 +52,12 @@ class IqnIls final : public Accelerator {
 
   [[nodiscard]] std::shared_ptr<const Column> make_column(const Iterate& at) const;
   [[nodiscard]] std::vector<double> products(const std::vector<double>& dr) const;
-  void factor();
+  void factor(std::size_t begin, std::size_t end);
   void solve_normal_equations(std::vector<double>& b) const;
   [[nodiscard]] std::vector<double> least_squares() const;
+  [[nodiscard]] std::size_t end_of_group(std::size_t begin) const;
+  [[nodiscard]] bool add_group(std::size_t begin, std::size_t end, std::span<double> x_next,
+                               std::span<double> passenger_next);
 
   Settings settings_;
   std::vector<double> root_weights_;
@@ -58,10 +69,11 @@ class IqnIls final : public Accelerator {
   std::int64_t step_at_begin_ = 0;
 
   bool has_last_ = false;
+  std::vector<double> rest_; ///< of r, what the columns used so far leave
   std::vector<double> r_, r_last_, h_last_, p_last_;
-  std::vector<std::size_t> kept_; ///< indices of the columns that passed the filter
+  std::vector<std::size_t> kept_; ///< indices of the columns of a group that passed the filter
   std::vector<double> R_;         ///< packed by columns: R_ij at j (j + 1) / 2 + i
-  int dropped_ = 0;
+  int used_ = 0, dropped_ = 0;
 };
 
 } // namespace drogue::acceleration

@@ -62,6 +62,11 @@ bool AitkenRelaxation::next(const Iterate& at, std::span<double> x_next, std::sp
   return true;
 }
 
+void AitkenRelaxation::forget() {
+  omega_ = relaxation_;
+  has_last_ = false;
+}
+
 void AitkenRelaxation::end_step(bool converged) {
   if (!converged) omega_ = relaxation_;
 }

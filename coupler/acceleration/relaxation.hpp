@@ -13,6 +13,7 @@ class ConstantRelaxation final : public Accelerator {
   [[nodiscard]] bool next(const Iterate& at, std::span<double> x_next,
                           std::span<double> passenger_next) override;
   void end_step(bool) override {}
+  void forget() override {}
   void rollback() override {}
   [[nodiscard]] State save() const override { return {}; }
   [[nodiscard]] Result<void> restore(const State&) override { return {}; }
@@ -32,6 +33,7 @@ class AitkenRelaxation final : public Accelerator {
   [[nodiscard]] bool next(const Iterate& at, std::span<double> x_next,
                           std::span<double> passenger_next) override;
   void end_step(bool converged) override;
+  void forget() override;
   void rollback() override { omega_ = omega_at_begin_; }
   [[nodiscard]] State save() const override;
   [[nodiscard]] Result<void> restore(const State& state) override;

@@ -121,6 +121,11 @@ Result<FloatArray> Exchange::solve_flow(const Station& at, FloatArray mesh_displ
   return std::move(outputs->at(participants_.load_field()));
 }
 
+void Exchange::extrapolate(std::span<const double> last, double weight) {
+  last_force_.assign(last.begin(), last.end());
+  extrapolation_ = weight;
+}
+
 Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor, std::span<const double> d,
                                      std::span<const double> v, IterationRecord& record) {
   for (std::size_t i = 0; i < fluid_x_.size(); ++i) fluid_x_[i] = interface_.fluid.points[i] + fluid_d_[i];
@@ -142,21 +147,49 @@ Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor,
   record.displacement_defect = projection::projection_defect(interface_, d, fluid_d_);
   record.velocity_defect = projection::projection_defect(interface_, v, fluid_v_);
   for (double& f : force_) f *= load_factor;
-  return traction_.empty() ? Result<void>() : interface_.load.recover_traction(force_, traction_);
+  given_force_ = force_;
+  for (std::size_t i = 0; i < last_force_.size(); ++i)
+    force_[i] += extrapolation_ * (given_force_[i] - last_force_[i]);
+  return {};
 }
 
-Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span<const double> d,
-                                std::span<const double> v, std::span<const double> v_start,
-                                std::vector<double>& d_tilde, std::vector<double>& v_tilde,
-                                IterationRecord& record) {
+Result<Fields> Exchange::structure_inputs(std::span<const double> d, std::span<const double> force) {
+  Fields inputs{{"force", field(force)}, {"displacement", field(d)}};
+  if (traction_.empty()) return inputs;
+  DROGUE_TRY(interface_.load.recover_traction(force, traction_));
+  inputs["traction"] = field(traction_);
+  return inputs;
+}
+
+Result<void> Exchange::fluid_side(const Station& at, double load_factor, std::span<const double> d,
+                                  std::span<const double> v, std::span<const double> v_start,
+                                  IterationRecord& record) {
   auto mesh_displacement = move_mesh(at, d, record);
   if (!mesh_displacement) return mesh_displacement.error();
   const auto load = solve_flow(at, std::move(*mesh_displacement), v, v_start);
   if (!load) return load.error();
-  DROGUE_TRY(transfer_load(*load, load_factor, d, v, record));
-  Fields inputs{{"force", field(force_)}, {"displacement", field(d)}};
-  if (!traction_.empty()) inputs["traction"] = field(traction_);
-  auto outputs = participants_.structure(at, std::move(inputs));
+  return transfer_load(*load, load_factor, d, v, record);
+}
+
+Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span<const double> d,
+                                std::span<const double> v, std::span<const double> v_start,
+                                std::span<const double> given_force, std::vector<double>& d_tilde,
+                                std::vector<double>& v_tilde, IterationRecord& record) {
+  const bool at_once = !given_force.empty();
+  if (at_once) {
+    auto inputs = structure_inputs(d, given_force);
+    if (!inputs) return inputs.error();
+    DROGUE_TRY(participants_.begin_structure(at, std::move(*inputs)));
+  }
+  const auto flow = fluid_side(at, load_factor, d, v, v_start, record);
+  if (!flow && !at_once) return flow.error();
+  if (!at_once) {
+    auto inputs = structure_inputs(d, force_);
+    if (!inputs) return inputs.error();
+    DROGUE_TRY(participants_.begin_structure(at, std::move(*inputs)));
+  }
+  auto outputs = participants_.end_structure(); // even where the fluid failed: it answers before a rollback
+  if (!flow) return flow.error();
   if (!outputs) return outputs.error();
   record.fluid_inner_iterations = participants_.fluid_report().inner_iterations();
   record.fluid_inner_residual = participants_.fluid_report().inner_residual();

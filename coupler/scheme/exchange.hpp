@@ -23,10 +23,20 @@ class Exchange {
   /// One pass around the loop for the iterate (d, v): mesh mover, fluid, structure. Fills d_tilde and v_tilde
   /// and the record's forces and inner iterations.
   /// @param v_start wall velocity at t_n^+
+  /// @param given_force nodal forces that the structure takes, while mesh mover and fluid work; empty: it
+  /// waits
+  ///        for the fluid's
   [[nodiscard]] Result<void> evaluate(const Station& at, double load_factor, std::span<const double> d,
                                       std::span<const double> v, std::span<const double> v_start,
-                                      std::vector<double>& d_tilde, std::vector<double>& v_tilde,
-                                      IterationRecord& record);
+                                      std::span<const double> given_force, std::vector<double>& d_tilde,
+                                      std::vector<double>& v_tilde, IterationRecord& record);
+  /// From now on the structure takes f + weight (f - last), f the fluid's nodal forces: its means of the step
+  /// and of the step before brought to the end of the step with the weight dt / (dt + dt_before).
+  void extrapolate(std::span<const double> last, double weight);
+  /// Nodal forces of the fluid's last solve before that, {n, 3} [force].
+  [[nodiscard]] std::span<const double> given_force() const { return given_force_; }
+  /// Nodal forces for the structure, {n, 3} [force].
+  [[nodiscard]] std::span<const double> force() const { return force_; }
 
   /// L2 norm on the structure's surface over the square root of its area, and area-weighted mean.
   [[nodiscard]] double norm(std::span<const double> field) const { return surface_.norm(field, 3); }
@@ -46,6 +56,12 @@ class Exchange {
                                                            participant::FloatArray mesh_displacement,
                                                            std::span<const double> v,
                                                            std::span<const double> v_start);
+  /// Mesh mover and fluid: fills force_.
+  [[nodiscard]] Result<void> fluid_side(const Station& at, double load_factor, std::span<const double> d,
+                                        std::span<const double> v, std::span<const double> v_start,
+                                        IterationRecord& record);
+  [[nodiscard]] Result<participant::Fields> structure_inputs(std::span<const double> d,
+                                                             std::span<const double> force);
   [[nodiscard]] Result<void> transfer_load(const participant::FloatArray& load, double load_factor,
                                            std::span<const double> d, std::span<const double> v,
                                            IterationRecord& record);
@@ -56,6 +72,8 @@ class Exchange {
   bool outer_boundary_follows_ = true;
   std::vector<std::int64_t> to_mesh_mover_; ///< {n}: fluid interface node of each mesh mover interface node
   std::vector<double> fluid_d_, fluid_v_, fluid_x_, structure_x_, force_;
+  std::vector<double> given_force_, last_force_; ///< last_force_ empty: force_ is given_force_
+  double extrapolation_ = 0;
   std::vector<double> traction_; ///< empty unless the structure takes it
 };
 

@@ -221,14 +221,12 @@ Result<void> Participants::check_contracts() {
   return choose_load();
 }
 
-/// The pair of wall velocity and load that must fit: the structure's rate with the load at t_{n+1}, or the
-/// mesh's mean rate over the slab with the slab's mean load. The mixed pair converges fastest, to a wrong
-/// answer.
+/// The load at the time level that the case asks for (loop.load).
 Result<void> Participants::choose_load() {
   using C = v1::FieldContract;
-  const bool mean = settings_.loop.wall_velocity == WallVelocity::mesh_rate;
+  const bool mean = settings_.loop.load != LoadTime::end_of_step;
   const C::TimeLevel level = mean ? C::MEAN_OF_STEP : C::END_OF_STEP;
-  if (mean && !find_input(fluid_->hello, "velocity_start"))
+  if (settings_.loop.wall_velocity == WallVelocity::mesh_rate && !find_input(fluid_->hello, "velocity_start"))
     return config_error("loop.wall_velocity is MESH_RATE, but the fluid takes no \"velocity_start\"");
   for (const C& output : fluid_->hello.output()) {
     const bool pressure = output.quantity() == C::PRESSURE && output.components() == 1;
@@ -241,8 +239,7 @@ Result<void> Participants::choose_load() {
   }
   return config_error(
       "the fluid offers no pressure or traction on its interface nodes {}",
-      mean ? "as the mean of the step, which loop.wall_velocity MESH_RATE needs (the load at the end of "
-             "the step with that rate gives a wrong answer)"
+      mean ? "as the mean of the step, which loop.load MEAN_OF_STEP or loop.wall_velocity MESH_RATE ask for"
            : "at the end of the step");
 }
 
@@ -361,11 +358,20 @@ std::string Participants::who_cannot_roll_back() const {
 }
 
 Result<Fields> Participants::iterate(Peer& peer, const Station& at, Fields inputs) {
+  DROGUE_TRY(begin_iterate(peer, at, std::move(inputs)));
+  return end_iterate(peer);
+}
+
+Result<void> Participants::begin_iterate(Peer& peer, const Station& at, Fields inputs) {
   wire::Message m = message(at);
   m.envelope.mutable_iterate();
   for (auto& [name, array] : inputs)
     if (find_input(peer.hello, name)) m.floats[name] = std::move(array);
-  auto answer = hub_->ask(peer, std::move(m), Seconds(settings_.deadlines.iterate));
+  return hub_->post(peer, std::move(m));
+}
+
+Result<Fields> Participants::end_iterate(Peer& peer) {
+  auto answer = hub_->await(peer, Seconds(settings_.deadlines.iterate));
   if (!answer) return answer.error();
   if (&peer == fluid_) fluid_report_ = answer->envelope.iterated();
   if (&peer == structure_) structure_report_ = answer->envelope.iterated();
@@ -402,6 +408,12 @@ std::string Participants::inner_trouble(double residual) const {
 
 Result<Fields> Participants::structure(const Station& at, Fields inputs) {
   return iterate(*structure_, at, std::move(inputs));
+}
+Result<void> Participants::begin_structure(const Station& at, Fields inputs) {
+  return begin_iterate(*structure_, at, std::move(inputs));
+}
+Result<Fields> Participants::end_structure() {
+  return end_iterate(*structure_);
 }
 Result<Fields> Participants::mesh_mover(const Station& at, Fields inputs) {
   return iterate(*mesh_mover_, at, std::move(inputs));

@@ -52,6 +52,10 @@ class Participants {
   [[nodiscard]] Result<participant::Fields> mesh_mover(const Station& at, participant::Fields inputs);
   [[nodiscard]] Result<participant::Fields> fluid(const Station& at, participant::Fields inputs);
 
+  /// The structure's solve in two halves, for another one in between. What was begun must be ended.
+  [[nodiscard]] Result<void> begin_structure(const Station& at, participant::Fields inputs);
+  [[nodiscard]] Result<participant::Fields> end_structure();
+
   /// What a solver said of its own iteration in its last solve.
   [[nodiscard]] const v1::Iterated& fluid_report() const { return fluid_report_; }
   [[nodiscard]] const v1::Iterated& structure_report() const { return structure_report_; }
@@ -61,7 +65,7 @@ class Participants {
   /// below `residual`, relative to the first of the step, or its own tolerance.
   [[nodiscard]] std::string inner_trouble(double residual) const;
 
-  /// The load the fluid offers at the time level that the wall velocity asks for: name of its output.
+  /// The load the fluid offers at the time level that the case asks for: name of its output.
   [[nodiscard]] const std::string& load_field() const { return load_field_; }
   [[nodiscard]] bool load_is_pressure() const { return load_is_pressure_; }
 
@@ -83,6 +87,9 @@ class Participants {
   [[nodiscard]] Result<void> initialize();
   [[nodiscard]] Result<participant::Fields> iterate(launcher::Peer& peer, const Station& at,
                                                     participant::Fields inputs);
+  [[nodiscard]] Result<void> begin_iterate(launcher::Peer& peer, const Station& at,
+                                           participant::Fields inputs);
+  [[nodiscard]] Result<participant::Fields> end_iterate(launcher::Peer& peer);
 
   const CaseSettings& settings_;
   std::unique_ptr<launcher::Hub> hub_;

@@ -41,7 +41,8 @@ Result<Results> Results::create(const std::filesystem::path& run_directory, io::
                                          "power_fluid",
                                          "power_structure",
                                          "displacement_defect",
-                                         "velocity_defect"},
+                                         "velocity_defect",
+                                         "load_change"},
                                         existing);
   if (!coupling) return coupling.error();
   results.coupling_ = std::move(*coupling);
@@ -98,7 +99,8 @@ Result<void> Results::iteration(const IterationRecord& r) {
                         r.power_fluid,
                         r.power_structure,
                         r.displacement_defect,
-                        r.velocity_defect});
+                        r.velocity_defect,
+                        r.load_change});
 }
 
 Result<void> Results::step(const StepRecord& r) {

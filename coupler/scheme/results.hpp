@@ -18,7 +18,7 @@ struct IterationRecord {
   double residual_absolute = 0; ///< ||r||, L2 over the square root of the area [length]
   double increment = 0;         ///< ||d~ - d_n|| [length]
   double velocity_residual = 0; ///< ||v~ - v|| dt / max(increment, floor)
-  double sweep_defect = 0;      ///< ||(v_n + v)/2 dt - (d - d_n)|| / max(increment, floor)
+  double sweep_defect = 0;      ///< ||(v_start + v)/2 dt - (d - d_n)|| / max(increment, floor)
   Vector3 force_fluid{};        ///< integral of the load over the fluid surface [force]
   Vector3 force_structure{};    ///< sum of the nodal forces [force]
   double force_defect = 0;      ///< |difference| / max(|force_fluid|, tiny)
@@ -34,6 +34,8 @@ struct IterationRecord {
   /// The solvers' own iterations in this solve, and their residual after them relative to the step's first.
   double fluid_inner_iterations = 0, fluid_inner_residual = 0;
   double structure_inner_iterations = 0, structure_inner_residual = 0;
+  double load_change =
+      0; ///< of the nodal forces, against those before (SERIAL: last iteration; PARALLEL: given)
   double inner_converged = 1; ///< 1: the solvers' own iterations allow the step to end here
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <spdlog/spdlog.h>
 
@@ -10,6 +11,28 @@
 
 namespace drogue::coupler {
 namespace {
+
+/// Watches a residual that should fall.
+class Stall {
+ public:
+  enum class Verdict { moves, restart, stop };
+  explicit Stall(int patience) : patience_(patience) {}
+  Verdict judge(double residual) {
+    if (residual < 0.9 * best_) {
+      best_ = residual;
+      since_ = 0;
+      return Verdict::moves;
+    }
+    if (patience_ == 0 || ++since_ < patience_) return Verdict::moves;
+    since_ = 0;
+    return restarts_++ == 0 ? Verdict::restart : Verdict::stop;
+  }
+
+ private:
+  int patience_;
+  double best_ = std::numeric_limits<double>::infinity();
+  int since_ = 0, restarts_ = 0;
+};
 
 /// A failure that a smaller step may cure counts as non-convergence; every other one ends the run.
 bool curable(const Error& error) {
@@ -27,6 +50,15 @@ Result<StepLoop> StepLoop::create(Participants& participants, Exchange& exchange
     v->assign(size, 0.0);
   if (const auto& v = participants.structure_interface.velocity; !v.empty()) loop.n_.v = v;
   for (const double area : exchange.areas()) loop.weights_.insert(loop.weights_.end(), 3, area);
+  loop.f_.assign(size, 0.0);
+  loop.f_n_.assign(size, 0.0);
+  loop.mean_n_.assign(size, 0.0);
+  if (settings.loop.scheme == Scheme::parallel) {
+    loop.x_.resize(2 * size);
+    loop.h_.resize(2 * size);
+    const std::vector<double> areas = loop.weights_;
+    loop.weights_.insert(loop.weights_.end(), areas.begin(), areas.end());
+  }
   DROGUE_TRY(loop.use_step(settings.time_step));
   return loop;
 }
@@ -34,8 +66,7 @@ Result<StepLoop> StepLoop::create(Participants& participants, Exchange& exchange
 Result<void> StepLoop::use_step(double time_step) {
   auto& accelerator = accelerators_[time_step];
   if (!accelerator) {
-    auto made =
-        acceleration::make_accelerator(settings_.acceleration, weights_.size(), weights_.size(), weights_);
+    auto made = acceleration::make_accelerator(settings_.acceleration, weights_.size(), d_.size(), weights_);
     if (!made) return made.error();
     accelerator = std::move(*made);
   }
@@ -106,8 +137,14 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
   DROGUE_TRY(participants_.begin_step(at, time, time_step));
   accelerator_->begin_step();
   predict(time_step);
+  if (loop.load == LoadTime::extrapolated_mean && known_levels_ > 1)
+    exchange_.extrapolate(mean_n_, time_step / (time_step + n_.time_step));
+  const bool parallel = loop.scheme == Scheme::parallel;
+  if (parallel) f_ = f_n_;
+  Stall stall(loop.stall);
 
   Outcome outcome;
+  double first_residual = 0;
   for (int k = 1; k <= loop.max_iterations; ++k) {
     at.iteration = static_cast<std::uint32_t>(k);
     record_ = {};
@@ -117,7 +154,9 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     } else {
       v_start_ = n_.v; // the structure's committed rate, not the last iterate's
     }
-    const auto evaluated = exchange_.evaluate(at, load_factor, d_, v_, v_start_, d_tilde_, v_tilde_, record_);
+    const std::span<const double> given = parallel ? std::span<const double>(f_) : std::span<const double>();
+    const auto evaluated =
+        exchange_.evaluate(at, load_factor, d_, v_, v_start_, given, d_tilde_, v_tilde_, record_);
     if (!evaluated && !curable(evaluated.error())) return evaluated.error();
     if (!evaluated) {
       outcome.trouble = evaluated.error().message;
@@ -131,14 +170,22 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     record_.attempt = at.attempt;
     record_.iteration = k;
     record_.time = time + time_step;
-    const bool small =
-        record_.residual_relative <= loop.relative || record_.residual_absolute <= loop.absolute;
+    if (k == 1) first_residual = record_.residual_absolute;
+    const bool small = is_small(first_residual);
     const std::string inner_trouble = participants_.inner_trouble(loop.inner_residual);
     record_.inner_converged = inner_trouble.empty() ? 1 : 0;
     outcome.converged = small && inner_trouble.empty() && k >= loop.min_iterations;
     outcome.trouble = small ? inner_trouble : "";
     const bool diverged = !(record_.residual_absolute <= loop.divergence);
-    if (!outcome.converged && !diverged && k < loop.max_iterations) DROGUE_TRY(next_iterate());
+    const Stall::Verdict verdict = small ? Stall::Verdict::moves : stall.judge(record_.residual_absolute);
+    if (verdict == Stall::Verdict::restart) {
+      spdlog::warn("step {}: the residual does not fall any more, iteration {}: the accelerator starts anew",
+                   at.step, k);
+      accelerator_->forget();
+    }
+    const bool goes_on = !outcome.converged && !diverged && verdict != Stall::Verdict::stop;
+    if (goes_on && k < loop.max_iterations) DROGUE_TRY(next_iterate());
+    if (!parallel) f_.assign(exchange_.force().begin(), exchange_.force().end());
     DROGUE_TRY(results_.iteration(record_));
     spdlog::debug("step {} iteration {}: residual {:.2e} of the increment", at.step, k,
                   record_.residual_relative);
@@ -151,6 +198,13 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
       outcome.trouble = fmt::format("the residual grew to {:.3g}", record_.residual_absolute);
       return outcome;
     }
+    if (!goes_on) {
+      outcome.trouble =
+          fmt::format("the residual stalls at {:.2e} of the increment (asked: {:.0e}) after {} iterations, "
+                      "with a new start of the accelerator in between",
+                      record_.residual_relative, loop.relative, k);
+      break;
+    }
   }
   outcome.acceptable = true;
   if (outcome.trouble.empty())
@@ -159,9 +213,56 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
   return outcome;
 }
 
-Result<void> StepLoop::next_iterate() {
-  if (!accelerator_->next({d_, d_tilde_, v_, v_tilde_}, d_, v_))
+bool StepLoop::is_small(double first_residual) const {
+  const LoopSettings& loop = settings_.loop;
+  const auto holds = [](double asked, double value) { return !(asked > 0) || value <= asked; };
+  return (record_.residual_relative <= loop.relative || record_.residual_absolute <= loop.absolute) &&
+         holds(loop.residual_relative * first_residual, record_.residual_absolute) &&
+         holds(loop.velocity_relative, record_.velocity_residual) &&
+         holds(loop.load_relative, record_.load_change);
+}
+
+/// L2 norm of the load whose nodal forces are given, over the square root of the area [stress].
+double StepLoop::density_norm(std::span<const double> force) {
+  for (std::size_t i = 0; i < force.size(); ++i) work_[i] = force[i] / weights_[i];
+  return exchange_.norm(work_);
+}
+
+/// Displacement and load density as one vector; the load weighs as the first residuals of both do.
+Result<void> StepLoop::next_of_both() {
+  const std::size_t n = d_.size();
+  const std::span<const double> f_tilde = exchange_.force();
+  if (load_scale_ == 0) {
+    std::vector<double> change(n);
+    for (std::size_t i = 0; i < n; ++i) change[i] = f_tilde[i] - f_[i];
+    const double of_load = density_norm(change), of_d = record_.residual_absolute;
+    if (!(of_load > 0 && of_d > 0)) { // nothing to weigh with: a plain step of what there is
+      d_ = d_tilde_;
+      v_ = v_tilde_;
+      for (std::size_t i = 0; i < n; ++i) f_[i] += settings_.acceleration.relaxation * change[i];
+      return {};
+    }
+    load_scale_ = of_d / of_load;
+  }
+  std::copy(d_.begin(), d_.end(), x_.begin());
+  std::copy(d_tilde_.begin(), d_tilde_.end(), h_.begin());
+  for (std::size_t i = 0; i < n; ++i) {
+    x_[n + i] = load_scale_ * f_[i] / weights_[i];
+    h_[n + i] = load_scale_ * f_tilde[i] / weights_[i];
+  }
+  if (!accelerator_->next({x_, h_, v_, v_tilde_}, x_, v_))
     return numerical_error("the accelerator met a value that is not finite");
+  std::copy(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(n), d_.begin());
+  for (std::size_t i = 0; i < n; ++i) f_[i] = x_[n + i] * weights_[i] / load_scale_;
+  return {};
+}
+
+Result<void> StepLoop::next_iterate() {
+  if (settings_.loop.scheme == Scheme::parallel) {
+    DROGUE_TRY(next_of_both());
+  } else if (!accelerator_->next({d_, d_tilde_, v_, v_tilde_}, d_, v_)) {
+    return numerical_error("the accelerator met a value that is not finite");
+  }
   record_.columns = accelerator_->used_columns();
   record_.dropped_columns = accelerator_->dropped_columns();
   totals_.used_columns += record_.columns;
@@ -198,14 +299,18 @@ void StepLoop::measure(double time_step) {
   record_.residual_relative = record_.residual_absolute / scale;
   for (std::size_t i = 0; i < n; ++i) work_[i] = (v_tilde_[i] - v_[i]) * time_step;
   record_.velocity_residual = exchange_.norm(work_) / scale;
-  const bool mean_rate = settings_.loop.wall_velocity == WallVelocity::mesh_rate;
-  for (std::size_t i = 0; i < n; ++i)
-    work_[i] = (mean_rate ? v_[i] : 0.5 * (n_.v[i] + v_[i])) * time_step - (d_[i] - n_.d[i]);
+  const std::span<const double> f_tilde = exchange_.force();
+  for (std::size_t i = 0; i < n; ++i) work_[i] = f_tilde[i] - f_[i];
+  const double of_load = std::sqrt(std::inner_product(f_tilde.begin(), f_tilde.end(), f_tilde.begin(), 0.0));
+  record_.load_change = std::sqrt(std::inner_product(work_.begin(), work_.end(), work_.begin(), 0.0)) /
+                        std::max(of_load, 1e-300);
+  for (std::size_t i = 0; i < n; ++i) work_[i] = 0.5 * (v_start_[i] + v_[i]) * time_step - (d_[i] - n_.d[i]);
   record_.sweep_defect = exchange_.norm(work_) / scale;
 }
 
 /// From two evaluations of the first step: H carries -M_added/M_structure of a change of d back.
 void StepLoop::learn_added_mass(int iteration) {
+  if (settings_.loop.scheme == Scheme::parallel) return; // there d~ answers to another load than that of d
   if (totals_.added_mass_ratio == 0 && iteration == 2) {
     for (std::size_t i = 0; i < d_.size(); ++i) work_[i] = d_[i] - d_before_[i];
     const double dd = exchange_.norm(work_);
@@ -223,6 +328,8 @@ Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double 
   std::swap(n_minus_2_, n_minus_1_);
   std::swap(n_minus_1_, n_);
   n_ = {d_tilde_, v_tilde_, time_step};
+  f_n_.assign(exchange_.force().begin(), exchange_.force().end());
+  mean_n_.assign(exchange_.given_force().begin(), exchange_.given_force().end());
   known_levels_ = std::min(known_levels_ + 1, 3);
 
   ++totals_.parts;

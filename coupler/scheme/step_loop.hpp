@@ -32,6 +32,8 @@ struct LoopTotals {
 ///   solvers' own
 ///     iterations have converged
 ///   4 accelerate d; v by the same affine combination; go to 2
+/// In PARALLEL the structure takes in 2 the load f of the last iterate, and d and f are accelerated together.
+/// A residual that stalls makes the accelerator start anew, and ends the iteration when it stalls again.
 ///   5 commit, or the policy for non-convergence
 class StepLoop {
  public:
@@ -78,6 +80,9 @@ class StepLoop {
   void predict(double time_step);
   void measure(double time_step);
   void learn_added_mass(int iteration);
+  [[nodiscard]] bool is_small(double first_residual) const;
+  [[nodiscard]] double density_norm(std::span<const double> force);
+  [[nodiscard]] Result<void> next_of_both();
   [[nodiscard]] Result<void> next_iterate();
 
   Participants& participants_;
@@ -96,6 +101,11 @@ class StepLoop {
   std::uint32_t attempt_ = 0; ///< of the present step: rises with every part and every retry
   std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, r_, work_;
   std::vector<double> d_before_, d_tilde_before_;
+  std::vector<double> f_;      ///< nodal forces: PARALLEL, of the iterate; SERIAL, of the last iteration
+  std::vector<double> f_n_;    ///< PARALLEL: at the end of the last step
+  std::vector<double> mean_n_; ///< nodal forces as the fluid gave them, at the end of the last step
+  double load_scale_ = 0;      ///< PARALLEL: length per load, weighs d against f; 0: not known yet
+  std::vector<double> x_, h_;  ///< PARALLEL: d and scaled load densities
   IterationRecord record_;
   LoopTotals totals_, totals_before_; ///< now, and before the present step
   std::uint64_t results_before_ = 0;  ///< length of coupling.csv before the present step

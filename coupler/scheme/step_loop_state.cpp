@@ -84,6 +84,9 @@ void StepLoop::save(io::State& state) const {
     put(state, name + ".v", levels[i]->v);
     put(state, name + ".time_step", {levels[i]->time_step});
   }
+  put(state, "load", f_n_);
+  put(state, "given_load", mean_n_);
+  put(state, "load_scale", {load_scale_});
   put(state, "totals", numbers(totals_));
   std::vector<double> time_steps;
   for (const auto& [time_step, accelerator] : accelerators_) {
@@ -105,6 +108,9 @@ Result<void> StepLoop::load(const io::State& state) {
     *levels[i] = {from.vector(name + ".d", d_.size()), from.vector(name + ".v", v_.size()),
                   from.number(name + ".time_step")};
   }
+  f_n_ = from.vector("load", f_n_.size());
+  mean_n_ = from.vector("given_load", mean_n_.size());
+  load_scale_ = from.number("load_scale");
   totals_ = totals_of(from.vector("totals", numbers({}).size()));
   const std::vector<double> time_steps = from.vector("accelerators");
   DROGUE_TRY(from.outcome());

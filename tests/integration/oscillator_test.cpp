@@ -89,6 +89,61 @@ TEST(Oscillator, SmallConstantRelaxationConvergesToTheSame) {
               1e-7 * 0.01);
 }
 
+/// Fluid and structure at the same time, and the multi-vector Jacobian: the same solution.
+TEST(Oscillator, EverySchemeFollowsTheSameSolution) {
+  const auto exact = oscillator(12, 0.02);
+  for (const std::string scheme : {"SERIAL", "PARALLEL"})
+    for (const std::string method : {"IQN_ILS", "IQN_IMVJ"}) {
+      const auto folder = fresh_folder(scheme + method);
+      ASSERT_EQ(run_coupler(write_case(
+                    folder, {.steps = 12,
+                             .extra = "loop { relative: 1e-8 max_iterations: 400 stall: 0 scheme: " + scheme +
+                                      " } acceleration { method: " + method + " }"})),
+                0)
+          << read_text(folder / "output.txt");
+      const Table drag = read_csv(folder / "run/drag.csv");
+      ASSERT_EQ(drag.rows.size(), 12u);
+      for (std::size_t n = 0; n < exact.size(); ++n)
+        EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-7 * 0.01)
+            << scheme << " " << method << n + 1;
+    }
+}
+
+/// Criteria of other fields beside that of the displacement: all must hold.
+TEST(Oscillator, EveryCriterionGivenMustHold) {
+  const auto last_change = [](const std::string& criteria, const std::string& column) {
+    const auto folder = fresh_folder("criteria");
+    EXPECT_EQ(
+        run_coupler(write_case(
+            folder, {.steps = 1,
+                     .extra = "acceleration { method: CONSTANT relaxation: 0.05 } loop { relative: 0.5 " +
+                              criteria + " }"})),
+        0)
+        << read_text(folder / "output.txt");
+    const Table coupling = read_csv(folder / "run/coupling.csv");
+    return coupling.at(coupling.rows.size() - 1, column);
+  };
+  EXPECT_GT(last_change("", "load_change"), 1e-7);
+  EXPECT_LE(last_change("load_relative: 1e-7", "load_change"), 1e-7);
+  EXPECT_GT(last_change("", "velocity_residual"), 1e-7);
+  EXPECT_LE(last_change("velocity_relative: 1e-7", "velocity_residual"), 1e-7);
+  const double alone = last_change("", "residual_absolute");
+  EXPECT_LT(last_change("residual_relative: 1e-6", "residual_absolute"), 1e-3 * alone);
+}
+
+/// A relaxation at which the residual neither grows much nor falls.
+TEST(Oscillator, AStalledIterationStartsAnewAndThenEnds) {
+  const auto folder = fresh_folder("stall");
+  ASSERT_EQ(run_coupler(write_case(folder, {.steps = 1,
+                                            .extra = "acceleration { method: CONSTANT relaxation: 0.182 }"
+                                                     "loop { max_iterations: 60 stall: 5 }"})),
+            3);
+  const std::string output = read_text(folder / "output.txt");
+  EXPECT_NE(output.find("the accelerator starts anew"), std::string::npos) << output;
+  EXPECT_NE(output.find("the residual stalls at"), std::string::npos) << output;
+  EXPECT_LT(read_csv(folder / "run/coupling.csv").rows.size(), 20u);
+}
+
 TEST(Oscillator, NonConvergenceAbortsWithStatusThreeAndKeepsWhatIsWritten) {
   const auto folder = fresh_folder("abort");
   ASSERT_EQ(run_coupler(write_case(folder, {.extra = "acceleration { method: CONSTANT relaxation: 1 }"

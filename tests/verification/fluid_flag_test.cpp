@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/fluid_solver/box.hpp"
 #include "tests/support/verify.hpp"
 #include "tests/verification/fluid_case.hpp"
@@ -15,26 +13,6 @@ namespace {
 
 using drogue::test::verify;
 using drogue::test::verify_relative;
-
-struct Sizes {
-  double wall = 0;   ///< edge length on the obstacle
-  double growth = 0; ///< of edges with the distance
-  double bulk = 0;   ///< the longest edge
-};
-
-/// Half of the wall's size at the flag's end, half of the longest in the wake.
-mesh::Mesh flag_in_channel(const Sizes& sizes) {
-  const auto [wall, growth, bulk] = sizes;
-  const Channel channel{{0, 0}, {2.5, 0.41}, {0.2, 0.2}, 0.05, 0.6, 0.02};
-  return channel_mesh(channel, [wall = wall, growth = growth, bulk = bulk](double x, double y) {
-    const double to_circle = std::hypot(x - 0.2, y - 0.2) - 0.05;
-    const double to_flag = std::hypot(x - std::clamp(x, 0.2, 0.6), std::max(0.0, std::abs(y - 0.2) - 0.01));
-    const double to_end = std::hypot(x - 0.6, std::max(0.0, std::abs(y - 0.2) - 0.01)); // two corners
-    const double beside_wake = x > 0.2 ? std::max(std::abs(y - 0.2) - 0.08, 0.1 * (x - 0.8)) : 1.0;
-    return std::min({graded(std::min(to_circle, to_flag), wall, growth, bulk),
-                     graded(to_end, 0.5 * wall, growth, bulk), graded(beside_wake, 0.5 * bulk, 0.2, bulk)});
-  });
-}
 
 /// Density 1000, kinematic viscosity 1e-3.
 Settings flag_settings(double mean_speed) {
@@ -55,17 +33,17 @@ struct Reference {
   double lift = 0;
 };
 #ifdef DROGUE_FINE
-constexpr Sizes steady_sizes{0.0007, 0.07, 0.012};
+constexpr FlagSizes steady_sizes{0.0007, 0.07, 0.012};
 constexpr double tolerance = 0.01;
 const std::string level;
 #else
-constexpr Sizes steady_sizes{0.003, 0.12, 0.03};
+constexpr FlagSizes steady_sizes{0.003, 0.12, 0.03};
 constexpr double tolerance = 0.03;
 const std::string level = "_coarse";
 #endif
 
 void verify_steady(const std::string& name, const Reference& reference) {
-  FlowCase flow(flag_settings(reference.mean_speed), flag_in_channel(steady_sizes));
+  FlowCase flow(flag_settings(reference.mean_speed), flag_in_channel(steady_sizes, false));
   fmt::print("{}: {} nodes\n", name, flow.mesh().node_count());
   const SurfaceForce force = flow.settle(0.1, 1e-6).front();
   verify_relative(name + level, "drag", force.reaction[0], reference.drag, tolerance);
@@ -85,7 +63,7 @@ TEST(Flag, Cfd2) {
 TEST(Flag, Cfd3) {
   Settings s = flag_settings(2);
   s.initial_velocity[1] = config::Expression::parse("exp(-200*((x-0.7)^2+(y-0.2)^2))").value();
-  FlowCase flow(s, flag_in_channel({0.002, 0.12, 0.022}));
+  FlowCase flow(s, flag_in_channel({0.002, 0.12, 0.022}, false));
   fmt::print("fluid/cfd3: {} nodes\n", flow.mesh().node_count());
   (void)advance(flow, semi_discrete, 0.005, 500);
   constexpr double dt = 0.0025;

@@ -147,12 +147,31 @@ mesh::Mesh channel_mesh(const Channel& c, const PlaneSize& size) {
   gmsh::option::setNumber("Mesh.Smoothing", 5);
   gmsh::model::mesh::generate(2);
   gmsh::model::mesh::removeSizeCallback();
-  return collect({{"bottom", {outer[0]}},
-                  {"outflow", {outer[1]}},
-                  {"top", {outer[2]}},
-                  {"inflow", {outer[3]}},
-                  {"obstacle", obstacle}},
-                 surface);
+  std::vector<int> rigid = obstacle, plate;
+  if (c.plate_apart) { // the three lines before the last arc
+    plate.assign(obstacle.end() - 4, obstacle.end() - 1);
+    rigid.erase(rigid.end() - 4, rigid.end() - 1);
+  }
+  std::vector<std::pair<std::string, std::vector<int>>> groups{{"bottom", {outer[0]}},
+                                                               {"outflow", {outer[1]}},
+                                                               {"top", {outer[2]}},
+                                                               {"inflow", {outer[3]}},
+                                                               {"obstacle", rigid}};
+  if (!plate.empty()) groups.emplace_back("plate", plate);
+  return collect(groups, surface);
+}
+
+mesh::Mesh flag_in_channel(const FlagSizes& sizes, bool flag_apart) {
+  const auto [wall, growth, bulk] = sizes;
+  const Channel channel{{0, 0}, {2.5, 0.41}, {0.2, 0.2}, 0.05, 0.6, 0.02, flag_apart};
+  return channel_mesh(channel, [wall = wall, growth = growth, bulk = bulk](double x, double y) {
+    const double to_circle = std::hypot(x - 0.2, y - 0.2) - 0.05;
+    const double to_flag = std::hypot(x - std::clamp(x, 0.2, 0.6), std::max(0.0, std::abs(y - 0.2) - 0.01));
+    const double to_end = std::hypot(x - 0.6, std::max(0.0, std::abs(y - 0.2) - 0.01)); // two corners
+    const double beside_wake = x > 0.2 ? std::max(std::abs(y - 0.2) - 0.08, 0.1 * (x - 0.8)) : 1.0;
+    return std::min({graded(std::min(to_circle, to_flag), wall, growth, bulk),
+                     graded(to_end, 0.5 * wall, growth, bulk), graded(beside_wake, 0.5 * bulk, 0.2, bulk)});
+  });
 }
 
 mesh::Mesh ring_mesh(double radius, double outer, int around, double first, bool half) {

@@ -24,8 +24,19 @@ struct Channel {
   /// Point of a rigid plate's end and its thickness: a plate from the cylinder downstream; thickness 0: none.
   double plate_end = 0;
   double plate_thickness = 0;
+  bool plate_apart = false; ///< the plate's sides make a group `plate` of their own
 };
 [[nodiscard]] mesh::Mesh channel_mesh(const Channel& channel, const PlaneSize& size);
+
+/// Edge lengths about the obstacle of flag_in_channel.
+struct FlagSizes {
+  double wall = 0;   ///< on the obstacle
+  double growth = 0; ///< with the distance
+  double bulk = 0;   ///< the longest
+};
+/// The cylinder with a flag of Turek and Hron (2006) in its channel 2.5 x 0.41. Half of the wall's size at
+/// the flag's end, half of the longest in the wake.
+[[nodiscard]] mesh::Mesh flag_in_channel(const FlagSizes& sizes, bool flag_apart);
 
 /// `fine` on the distance 0, growing by `growth` length a length of distance, at most `coarse`.
 [[nodiscard]] double graded(double distance, double fine, double growth, double coarse);

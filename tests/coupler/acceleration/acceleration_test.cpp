@@ -235,7 +235,7 @@ TEST(Passenger, StaysAnAffineFunctionOfX) {
     for (double& value : v) value = 3 * value + 7;
     return v;
   };
-  for (const Method method : {Method::constant, Method::aitken, Method::iqn_ils}) {
+  for (const Method method : {Method::constant, Method::aitken, Method::iqn_ils, Method::iqn_imvj}) {
     auto a = make({.method = method, .relaxation = 0.2}, n, n);
     Vector x(n, 0.1), v = passenger(x);
     for (int step = 0; step < 2; ++step) {
@@ -263,7 +263,7 @@ Vector run_step(Accelerator& a, Vector x, int iterations) {
 }
 
 TEST(State, SaveAndRestoreContinueToTheBit) {
-  for (const Method method : {Method::constant, Method::aitken, Method::iqn_ils}) {
+  for (const Method method : {Method::constant, Method::aitken, Method::iqn_ils, Method::iqn_imvj}) {
     const Settings settings{.method = method, .relaxation = 0.1};
     auto a = make(settings, 5, 5, {1, 2, 3, 4, 5}), b = make(settings, 5, 5, {1, 2, 3, 4, 5});
     const Vector x = run_step(*a, run_step(*a, Vector(5, 0.0), 4), 3);
@@ -278,7 +278,7 @@ TEST(State, SaveAndRestoreContinueToTheBit) {
 }
 
 TEST(State, RollbackGivesBackTheStateAtBeginStep) {
-  for (const Method method : {Method::aitken, Method::iqn_ils}) {
+  for (const Method method : {Method::aitken, Method::iqn_ils, Method::iqn_imvj}) {
     const Settings settings{.method = method, .relaxation = 0.1, .reuse_steps = 1, .max_columns = 4};
     auto a = make(settings, 5, 5), b = make(settings, 5, 5);
     const Vector x = run_step(*a, Vector(5, 0.0), 4), y = run_step(*b, Vector(5, 0.0), 4);
