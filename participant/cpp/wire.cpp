@@ -10,6 +10,7 @@
 #include <span>
 
 #include <fmt/ranges.h>
+#include <sys/mman.h>
 
 #include "common/base/hash.hpp"
 
@@ -24,10 +25,13 @@ constexpr std::int64_t max_frame_bytes = std::int64_t{8} << 30;
 constexpr std::size_t max_envelope_bytes = std::size_t{1} << 20;
 constexpr std::size_t max_name_length = 255;
 
+constexpr std::uint64_t exponent = 0x7ff0000000000000; ///< bits of a float64
+
 /// From this size on an array is handed over to ZeroMQ, below it is copied [bytes].
 constexpr std::size_t smallest_handed_over = 65536;
 /// Values that are checked and copied at once, while they are in the cache.
-constexpr std::size_t chunk = 4096;
+constexpr std::size_t chunk = 1024;
+constexpr std::size_t large_page = std::size_t{2} << 20;
 
 template <class T>
 zmq::message_t frame_of(std::vector<T> values) {
@@ -70,10 +74,22 @@ Result<void> check_size(const v1::ArrayHeader& header, const zmq::message_t& fra
   return {};
 }
 
+/// Memory for many values in large pages, where the system has them: a page fault for every 4 KB would cost
+/// more than to receive the values. Only advice: a failure changes nothing.
+template <class T>
+void reserve(std::vector<T>& values, std::size_t count) {
+  values.reserve(count);
+  const auto begin =
+      (reinterpret_cast<std::uintptr_t>(values.data()) + large_page - 1) / large_page * large_page;
+  const auto end =
+      (reinterpret_cast<std::uintptr_t>(values.data()) + count * sizeof(T)) / large_page * large_page;
+  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+}
+
 /// The values of a frame of the right size, and their checksum.
 template <class T>
 std::uint32_t copy(const zmq::message_t& frame, std::vector<T>& values) {
-  values.reserve(frame.size() / sizeof(T));
+  reserve(values, frame.size() / sizeof(T));
   std::array<T, chunk> part;
   std::uint32_t crc = 0;
   const auto* next = static_cast<const std::byte*>(frame.data());
@@ -233,8 +249,16 @@ Result<std::optional<Received>> receive(zmq::socket_t& socket, bool routed) {
 }
 
 std::optional<std::size_t> first_not_finite(const std::vector<double>& values) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i])) return i;
+  const std::size_t size = values.size();
+  for (std::size_t begin = 0; begin < size; begin += chunk) {
+    const std::size_t end = std::min(begin + chunk, size);
+    std::uint64_t bad = 0; // all bits of the exponent are set: infinity or NaN
+    for (std::size_t i = begin; i < end; ++i)
+      bad |= ((std::bit_cast<std::uint64_t>(values[i]) & exponent) + (exponent & -exponent)) >> 63U;
+    if (bad == 0) continue;
+    for (std::size_t i = begin; i < end; ++i)
+      if (!std::isfinite(values[i])) return i;
+  }
   return std::nullopt;
 }
 
