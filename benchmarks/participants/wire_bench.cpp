@@ -72,6 +72,10 @@ class Line {
     if (child_ == 0) std::_Exit(serve(endpoint[0], nodes));
     router_ = zmq::socket_t(context_, zmq::socket_type::router);
     wire::prepare(router_);
+    if (address.rfind("ipc://", 0) == 0) { // as launcher::Hub does
+      router_.set(zmq::sockopt::sndbuf, 4 << 20);
+      router_.set(zmq::sockopt::rcvbuf, 4 << 20);
+    }
     router_.bind(address);
     const std::string bound = router_.get(zmq::sockopt::last_endpoint);
     if (write(endpoint[1], bound.data(), bound.size()) < 0) std::abort();

@@ -54,6 +54,8 @@ bool unfit(const Exit& exit) {
          exit.status == static_cast<int>(ErrorKind::numerical);
 }
 
+/// Of the socket of the coupler's children, as far as the system allows [bytes].
+constexpr int local_buffer = 4 << 20;
 /// Signs of life of connections from elsewhere.
 constexpr int heartbeat_interval = 10000, heartbeat_deadline = 60000; // ms
 
@@ -107,6 +109,8 @@ Result<void> Hub::open(const Door& door) {
     router_ = zmq::socket_t(context_, zmq::socket_type::router);
     wire::prepare(router_);
     router_.set(zmq::sockopt::router_mandatory, true); // unroutable messages are errors, not dropped
+    router_.set(zmq::sockopt::sndbuf, local_buffer);
+    router_.set(zmq::sockopt::rcvbuf, local_buffer);
     router_.bind(endpoint_);
   } catch (const zmq::error_t& e) {
     return internal_error("cannot listen at {}: {}", endpoint_, e.what());
@@ -125,6 +129,8 @@ Result<void> Hub::open_door(const Door& door) {
       return internal_error("cannot watch connections: {}", zmq_strerror(zmq_errno()));
     monitor_ = zmq::socket_t(context_, zmq::socket_type::pair);
     monitor_.connect("inproc://connections");
+    router_.set(zmq::sockopt::sndbuf, -1); // TCP finds the right size by itself
+    router_.set(zmq::sockopt::rcvbuf, -1);
     router_.set(zmq::sockopt::heartbeat_ivl, heartbeat_interval);
     router_.set(zmq::sockopt::heartbeat_timeout, heartbeat_deadline);
     if (has_keys_) {

@@ -140,7 +140,7 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
   if (loop.load == LoadTime::extrapolated_mean && known_levels_ > 1)
     exchange_.extrapolate(mean_n_, time_step / (time_step + n_.time_step));
   const bool parallel = loop.scheme == Scheme::parallel;
-  if (parallel) f_ = f_n_;
+  f_ = f_n_;
   Stall stall(loop.stall);
 
   Outcome outcome;

@@ -102,7 +102,7 @@ class StepLoop {
   std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, r_, work_;
   std::vector<double> d_before_, d_tilde_before_;
   std::vector<double> f_;      ///< nodal forces: PARALLEL, of the iterate; SERIAL, of the last iteration
-  std::vector<double> f_n_;    ///< PARALLEL: at the end of the last step
+  std::vector<double> f_n_;    ///< at the end of the last step
   std::vector<double> mean_n_; ///< nodal forces as the fluid gave them, at the end of the last step
   double load_scale_ = 0;      ///< PARALLEL: length per load, weighs d against f; 0: not known yet
   std::vector<double> x_, h_;  ///< PARALLEL: d and scaled load densities

@@ -79,7 +79,6 @@ class Server {
       if (!request) return request.error();
       answer(*request);
     }
-    transport_.flush(std::chrono::seconds(5));
     if (failure_) return *failure_;
     return {};
   }

@@ -25,6 +25,9 @@ constexpr auto interrupt_interval = std::chrono::milliseconds(100);
 /// How long a solver that is in the middle of its work may go on after the coupler is gone.
 constexpr auto grace_without_coupler = std::chrono::seconds(10);
 constexpr int last_answer_linger = 2000; // ms
+/// Of the sockets between processes of one machine, as far as the system allows: the default of 200 KB makes a large
+/// array change hands hundreds of times [bytes].
+constexpr int local_buffer = 4 << 20;
 constexpr auto send_deadline = std::chrono::seconds(30);
 
 constexpr int connection_events = ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
@@ -38,17 +41,6 @@ struct Progress {
 Progress& progress() {
   static Progress p;
   return p;
-}
-
-/// Waits for messages, half a beat at most; a signal ends the wait early.
-Result<void> wait_for(std::span<zmq::pollitem_t> items) {
-  try {
-    zmq::poll(items.data(), items.size(), milliseconds(beat_interval) / 2);
-  } catch (const zmq::error_t& e) {
-    for (zmq::pollitem_t& item : items) item.revents = 0;
-    if (e.num() != EINTR) return internal_error("cannot wait for the coupler: {}", e.what());
-  }
-  return {};
 }
 
 } // namespace
@@ -69,11 +61,11 @@ Transport::Transport(const ServeOptions& options)
 Transport::~Transport() {
   if (!thread_.joinable()) return;
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(stop_mutex_);
     stop_ = true;
   }
-  wake_in_.send(zmq::message_t(), zmq::send_flags::dontwait);
-  thread_.join(); // it never waits for the peer: its polls end within a beat, its sends at their deadline
+  stopped_.notify_all();
+  thread_.join(); // it never waits for the peer but in a send, which has a deadline
   // ZeroMQ may still hold the last answer: it gets a moment to leave, in the background, while the coupler is
   // there.
   socket_.set(zmq::sockopt::linger, lost_.empty() ? last_answer_linger : 0);
@@ -97,10 +89,6 @@ Result<void> Transport::set_keys() {
 void Transport::connect() {
   monitor_ = zmq::socket_t(context_, zmq::socket_type::pair);
   monitor_.connect("inproc://events");
-  wake_out_ = zmq::socket_t(context_, zmq::socket_type::pair);
-  wake_out_.bind("inproc://wake");
-  wake_in_ = zmq::socket_t(context_, zmq::socket_type::pair);
-  wake_in_.connect("inproc://wake");
   socket_.connect(endpoint_);
 }
 
@@ -109,6 +97,10 @@ Result<void> Transport::start() {
     socket_ = zmq::socket_t(context_, zmq::socket_type::dealer);
     wire::prepare(socket_);
     socket_.set(zmq::sockopt::routing_id, participant_);
+    if (endpoint_.rfind("ipc://", 0) == 0) { // TCP finds the right size by itself
+      socket_.set(zmq::sockopt::sndbuf, local_buffer);
+      socket_.set(zmq::sockopt::rcvbuf, local_buffer);
+    }
     DROGUE_TRY(set_keys());
     if (zmq_socket_monitor(socket_.handle(), "inproc://events", connection_events) != 0)
       return internal_error("cannot watch the connection: {}", zmq_strerror(zmq_errno()));
@@ -116,18 +108,19 @@ Result<void> Transport::start() {
   } catch (const zmq::error_t& e) {
     return peer_error("cannot connect to the coupler at \"{}\": {}", endpoint_, e.what());
   }
-  thread_ = std::thread([this] { loop(); });
+  thread_ = std::thread([this] { stand_in(); });
   return {};
 }
 
 Result<wire::Message> Transport::next_request(std::chrono::seconds deadline) {
-  const auto end = std::chrono::steady_clock::now() + deadline;
-  std::unique_lock lock(mutex_);
-  const auto ready = [this] { return !incoming_.empty() || !lost_.empty() || interrupted(); };
-  while (!incoming_ready_.wait_for(lock, interrupt_interval, ready))
-    if (std::chrono::steady_clock::now() >= end)
+  const auto end = steady_clock::now() + deadline;
+  const std::lock_guard lock(mutex_);
+  while (incoming_.empty() && lost_.empty() && !interrupted()) {
+    if (steady_clock::now() >= end)
       return peer_error("{}: the coupler at {} sent nothing for {} s", participant_, endpoint_,
                         deadline.count());
+    turn(interrupt_interval);
+  }
   if (interrupted())
     return Error{ErrorKind::interrupted, fmt::format("{}: interrupted by a signal", participant_)};
   if (incoming_.empty()) return peer_error("{}: {}", participant_, lost_);
@@ -140,52 +133,49 @@ void Transport::post(wire::Message message) {
   message.envelope.set_run_id(run_id_);
   message.envelope.set_participant(participant_);
   const std::uint64_t request = message.envelope.request_id();
-  enqueue({request, wire::encode(std::move(message))});
-  wake_in_.send(zmq::message_t(), zmq::send_flags::dontwait);
-}
-
-void Transport::enqueue(Outgoing outgoing) {
+  wire::Frames frames = wire::encode(std::move(message));
   const std::lock_guard lock(mutex_);
-  outgoing_.push_back(std::move(outgoing));
+  if (const auto sent = wire::send(socket_, "", frames, send_deadline); !sent) lose(sent.error().message);
+  if (request == 0) return;
+  working_on_ = 0;
+  last_answered_ = request;
+  last_answer_ = std::move(frames);
 }
 
-void Transport::flush(milliseconds deadline) {
-  std::unique_lock lock(mutex_);
-  outgoing_done_.wait_for(lock, deadline, [this] { return outgoing_.empty() || !lost_.empty(); });
-}
-
-void Transport::loop() {
-  sigset_t for_the_program; // signals go to the other threads: here one would end a poll
+void Transport::stand_in() {
+  sigset_t for_the_program; // signals go to the other threads
   sigemptyset(&for_the_program);
   sigaddset(&for_the_program, SIGINT);
   sigaddset(&for_the_program, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &for_the_program, nullptr);
-  std::array<zmq::pollitem_t, 3> items{{{socket_.handle(), 0, ZMQ_POLLIN, 0},
-                                        {wake_out_.handle(), 0, ZMQ_POLLIN, 0},
-                                        {monitor_.handle(), 0, ZMQ_POLLIN, 0}}};
-  while (true) {
-    if (const auto waited = wait_for(items); !waited) return lose(waited.error().message);
-    if ((items[1].revents & ZMQ_POLLIN) != 0) {
-      zmq::message_t ignored;
-      while (wake_out_.recv(ignored, zmq::recv_flags::dontwait)) {
-      }
-    }
-    send_outgoing();
-    {
-      const std::lock_guard lock(mutex_);
-      if (stop_) return;
-    }
-    if ((items[0].revents & ZMQ_POLLIN) != 0) {
-      auto received = wire::receive(socket_, false);
-      if (!received)
-        lose(received.error().message);
-      else if (*received)
-        take(std::move((**received).message));
-    }
-    if ((items[2].revents & ZMQ_POLLIN) != 0) follow_connection();
+  std::unique_lock until_stop(stop_mutex_);
+  while (!stopped_.wait_for(until_stop, beat_interval / 2, [this] { return stop_; })) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock.owns_lock()) continue; // the solver's thread is at the socket
+    turn(milliseconds(0));
     beat();
     leave_if_abandoned();
   }
+}
+
+/// Waits for a message and takes it; a signal ends the wait early.
+void Transport::turn(milliseconds wait) {
+  std::array<zmq::pollitem_t, 2> items{
+      {{socket_.handle(), 0, ZMQ_POLLIN, 0}, {monitor_.handle(), 0, ZMQ_POLLIN, 0}}};
+  try {
+    zmq::poll(items.data(), items.size(), wait);
+  } catch (const zmq::error_t& e) {
+    if (e.num() != EINTR) lose(fmt::format("cannot wait for the coupler: {}", e.what()));
+    return;
+  }
+  if ((items[0].revents & ZMQ_POLLIN) != 0) {
+    auto received = wire::receive(socket_, false);
+    if (!received)
+      lose(received.error().message);
+    else if (*received)
+      take(std::move((**received).message));
+  }
+  if ((items[1].revents & ZMQ_POLLIN) != 0) follow_connection();
 }
 
 /// A request seen before is answered from the cache (or ignored while the solver works on it); every other
@@ -193,8 +183,8 @@ void Transport::loop() {
 void Transport::take(wire::Message request) {
   const std::uint64_t id = request.envelope.request_id();
   if (id != 0 && id == working_on_) return;
-  if (id != 0 && id == last_answer_.request) {
-    if (const auto sent = wire::send(socket_, "", last_answer_.frames, send_deadline); !sent)
+  if (id != 0 && id == last_answered_) {
+    if (const auto sent = wire::send(socket_, "", last_answer_, send_deadline); !sent)
       lose(sent.error().message);
     return;
   }
@@ -203,33 +193,7 @@ void Transport::take(wire::Message request) {
   last_request_.envelope.clear_array();
   report_progress("");
   last_beat_ = steady_clock::now();
-  {
-    const std::lock_guard lock(mutex_);
-    incoming_.push_back(std::move(request));
-  }
-  incoming_ready_.notify_one();
-}
-
-void Transport::send_outgoing() {
-  while (true) {
-    Outgoing outgoing;
-    {
-      const std::lock_guard lock(mutex_);
-      if (outgoing_.empty()) break;
-      outgoing = std::move(outgoing_.front()); // its place stays in the queue until it is sent: for flush()
-    }
-    if (const auto sent = wire::send(socket_, "", outgoing.frames, send_deadline); !sent)
-      lose(sent.error().message);
-    if (outgoing.request != 0) {
-      working_on_ = 0;
-      last_answer_ = std::move(outgoing);
-    }
-    {
-      const std::lock_guard lock(mutex_);
-      outgoing_.pop_front();
-    }
-    outgoing_done_.notify_all();
-  }
+  incoming_.push_back(std::move(request));
 }
 
 void Transport::beat() {
@@ -264,14 +228,9 @@ void Transport::follow_connection() {
 }
 
 void Transport::lose(const std::string& why) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!lost_.empty()) return;
-    lost_ = why;
-  }
+  if (!lost_.empty()) return;
+  lost_ = why;
   lost_at_ = steady_clock::now();
-  incoming_ready_.notify_all();
-  outgoing_done_.notify_all();
 }
 
 /// Without a coupler nobody wants the result: a solver deep in a long solve must not live on as an orphan.
