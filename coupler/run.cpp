@@ -68,7 +68,9 @@ void summarise(const LoopTotals& totals, Participants& participants, double seco
                  totals.used_columns / std::max(totals.iterations, 1),
                  totals.dropped_columns / std::max(totals.iterations, 1));
   if (totals.added_mass_ratio > 0)
-    spdlog::info("added mass: the fluid answers with about {:.2g} times the structure's own inertia: {}",
+    spdlog::info("added mass: the fluid answers with about {:.2g} times the structure's own resistance "
+                 "(inertia, and stiffness "
+                 "over a step): {}",
                  totals.added_mass_ratio, advice(totals.added_mass_ratio));
   double everyone = 0;
   std::string shares;

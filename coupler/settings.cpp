@@ -25,10 +25,10 @@ NonConvergence from(v1::CouplingLoop::NonConvergence policy) {
   return NonConvergence::abort;
 }
 
-LoadTime load_time(const v1::CouplingLoop& l) {
-  switch (l.load()) {
+LoadTime from(v1::CouplingLoop::Load load) {
+  switch (load) {
   case v1::CouplingLoop::MATCHING:
-    return l.wall_velocity() == v1::CouplingLoop::MESH_RATE ? LoadTime::mean_of_step : LoadTime::end_of_step;
+    return LoadTime::matching;
   case v1::CouplingLoop::END_OF_STEP:
     return LoadTime::end_of_step;
   case v1::CouplingLoop::MEAN_OF_STEP:
@@ -36,7 +36,7 @@ LoadTime load_time(const v1::CouplingLoop& l) {
   case v1::CouplingLoop::EXTRAPOLATED_MEAN:
     return LoadTime::extrapolated_mean;
   }
-  return LoadTime::end_of_step;
+  return LoadTime::matching;
 }
 
 acceleration::Method from(v1::Acceleration::Method method) {
@@ -151,8 +151,9 @@ LoopSettings loop(const v1::CouplingLoop& l, const config::Source& source, confi
   s.wall_velocity = l.wall_velocity() == v1::CouplingLoop::MESH_RATE ? WallVelocity::mesh_rate
                                                                      : WallVelocity::structure_rate;
   s.inner_residual = l.inner_residual();
-  s.load = load_time(l);
-  if (s.wall_velocity == WallVelocity::mesh_rate && s.load != LoadTime::mean_of_step)
+  s.load = from(l.load());
+  const bool wants_end = s.load == LoadTime::end_of_step || s.load == LoadTime::extrapolated_mean;
+  if (s.wall_velocity == WallVelocity::mesh_rate && wants_end)
     report.error(
         source.where("loop.load"),
         fmt::format(

@@ -15,7 +15,7 @@ namespace drogue::coupler {
 
 enum class NonConvergence { abort, accept, retry };
 enum class WallVelocity { structure_rate, mesh_rate };
-enum class LoadTime { end_of_step, mean_of_step, extrapolated_mean };
+enum class LoadTime { matching, end_of_step, mean_of_step, extrapolated_mean };
 enum class Scheme { serial, parallel };
 
 struct ParticipantSettings {
@@ -50,7 +50,7 @@ struct LoopSettings {
   double divergence = 1e6;
   WallVelocity wall_velocity = WallVelocity::structure_rate;
   double inner_residual = 0.1;
-  LoadTime load = LoadTime::end_of_step;
+  LoadTime load = LoadTime::matching;
   Scheme scheme = Scheme::serial;
   double residual_relative = 0, velocity_relative = 0, load_relative = 0; ///< 0: not asked
   int stall = 15;                                                         ///< 0: never

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <random>
 
 #include <spdlog/spdlog.h>
@@ -129,6 +130,20 @@ Result<participant::InterfaceMesh> interface_of(const Peer& peer, const wire::Me
   return mesh;
 }
 
+/// The fluid's load of a time level, of a quantity or of any; null: none.
+const v1::FieldContract* find_load(const v1::Hello& fluid, v1::FieldContract::TimeLevel level,
+                                   std::optional<v1::FieldContract::Quantity> quantity = {}) {
+  using C = v1::FieldContract;
+  for (const C& output : fluid.output()) {
+    const bool pressure = output.quantity() == C::PRESSURE && output.components() == 1;
+    const bool traction = output.quantity() == C::TRACTION && output.components() == 3;
+    if (output.time_level() == level && output.location() == C::INTERFACE_NODES && (pressure || traction) &&
+        (!quantity || output.quantity() == *quantity))
+      return &output;
+  }
+  return nullptr;
+}
+
 } // namespace
 
 Result<std::unique_ptr<Participants>> Participants::launch(const CaseSettings& settings,
@@ -221,26 +236,37 @@ Result<void> Participants::check_contracts() {
   return choose_load();
 }
 
-/// The load at the time level that the case asks for (loop.load).
+/// The load at the time level that the case asks for (loop.load). MATCHING: with MESH_RATE the mean; with
+/// STRUCTURE_RATE the extrapolated mean of the load that the fluid gives at the end of the step, or else that
+/// itself.
 Result<void> Participants::choose_load() {
   using C = v1::FieldContract;
-  const bool mean = settings_.loop.load != LoadTime::end_of_step;
-  const C::TimeLevel level = mean ? C::MEAN_OF_STEP : C::END_OF_STEP;
-  if (settings_.loop.wall_velocity == WallVelocity::mesh_rate && !find_input(fluid_->hello, "velocity_start"))
+  const bool mesh_rate = settings_.loop.wall_velocity == WallVelocity::mesh_rate;
+  if (mesh_rate && !find_input(fluid_->hello, "velocity_start"))
     return config_error("loop.wall_velocity is MESH_RATE, but the fluid takes no \"velocity_start\"");
-  for (const C& output : fluid_->hello.output()) {
-    const bool pressure = output.quantity() == C::PRESSURE && output.components() == 1;
-    const bool traction = output.quantity() == C::TRACTION && output.components() == 3;
-    if (output.time_level() != level || output.location() != C::INTERFACE_NODES || !(pressure || traction))
-      continue;
-    load_field_ = output.name();
-    load_is_pressure_ = pressure;
-    return {};
+  load_time_ = settings_.loop.load;
+  const C* load = nullptr;
+  if (load_time_ == LoadTime::matching && !mesh_rate) {
+    const C* at_end = find_load(fluid_->hello, C::END_OF_STEP);
+    load = at_end ? find_load(fluid_->hello, C::MEAN_OF_STEP, at_end->quantity())
+                  : find_load(fluid_->hello, C::MEAN_OF_STEP);
+    load_time_ = load ? LoadTime::extrapolated_mean : LoadTime::end_of_step;
+    if (!load) load = at_end;
+  } else {
+    load = find_load(fluid_->hello, load_time_ == LoadTime::end_of_step ? C::END_OF_STEP : C::MEAN_OF_STEP);
   }
-  return config_error(
-      "the fluid offers no pressure or traction on its interface nodes {}",
-      mean ? "as the mean of the step, which loop.load MEAN_OF_STEP or loop.wall_velocity MESH_RATE ask for"
-           : "at the end of the step");
+  if (!load)
+    return config_error(
+        "the fluid offers no pressure or traction on its interface nodes {}",
+        load_time_ == LoadTime::end_of_step
+            ? "at the end of the step"
+            : "as the mean of the step, which loop.load MEAN_OF_STEP or loop.wall_velocity MESH_RATE "
+              "ask for");
+  load_field_ = load->name();
+  load_is_pressure_ = load->quantity() == C::PRESSURE;
+  spdlog::info("load: \"{}\"{}", load_field_,
+               load_time_ == LoadTime::extrapolated_mean ? ", extrapolated to the end of the step" : "");
+  return {};
 }
 
 Result<void> Participants::configure(const std::filesystem::path& run_directory, bool resume) {

@@ -68,6 +68,8 @@ class Participants {
   /// The load the fluid offers at the time level that the case asks for: name of its output.
   [[nodiscard]] const std::string& load_field() const { return load_field_; }
   [[nodiscard]] bool load_is_pressure() const { return load_is_pressure_; }
+  /// What the structure takes of it; never LoadTime::matching.
+  [[nodiscard]] LoadTime load_time() const { return load_time_; }
 
   /// Whether the structure asks for the "traction" as well as, or in place of, the nodal forces.
   [[nodiscard]] bool structure_takes_traction() const;
@@ -97,6 +99,7 @@ class Participants {
   v1::Iterated fluid_report_, structure_report_, mesh_report_;
   std::string load_field_;
   bool load_is_pressure_ = true;
+  LoadTime load_time_ = LoadTime::matching;
 };
 
 } // namespace drogue::coupler

@@ -137,7 +137,7 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
   DROGUE_TRY(participants_.begin_step(at, time, time_step));
   accelerator_->begin_step();
   predict(time_step);
-  if (loop.load == LoadTime::extrapolated_mean && known_levels_ > 1)
+  if (participants_.load_time() == LoadTime::extrapolated_mean && known_levels_ > 1)
     exchange_.extrapolate(mean_n_, time_step / (time_step + n_.time_step));
   const bool parallel = loop.scheme == Scheme::parallel;
   f_ = f_n_;

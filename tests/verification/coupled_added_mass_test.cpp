@@ -30,7 +30,7 @@ struct Layers {
   int along = 20;    ///< fluid edges on the membrane; half as many across each layer
   int steps_a_period = 40;
   int steps = 60;
-  std::string loop = "relative: 1e-4 load: EXTRAPOLATED_MEAN";
+  std::string loop = "relative: 1e-4";
   std::string acceleration = "relaxation: 0.1";
   std::string fluid = {}; ///< further fields
 
@@ -168,7 +168,10 @@ void verify_swing(const std::string& name, const Layers& c) {
   verify(id, "iterations", a.run.mean_iterations(), 0, 10);
   const auto found = a.output.find("answers with about ");
   ASSERT_NE(found, std::string::npos) << a.output;
-  verify_relative(id, "estimated_mass_ratio", std::stod(a.output.substr(found + 19)), c.ratio, 0.3);
+  // H answers a change of the displacement by -m_f/(m_s + beta dt^2 T k^2), beta about 1/4.
+  const double resistance = c.membrane_mass() + 0.25 * c.dt() * c.dt() * tension * k * k;
+  verify_relative(id, "estimated_mass_ratio", std::stod(a.output.substr(found + 19)),
+                  fluid_mass() / resistance, 0.15);
   EXPECT_NE(a.output.find(c.ratio < 3 ? "AITKEN or IQN_ILS" : "IQN_ILS or IQN_IMVJ"), std::string::npos)
       << a.output;
 }
@@ -198,8 +201,8 @@ TEST(AddedMass, ByPairOfWallVelocityAndLoad) {
     }
     return found;
   };
-  const auto best = decays("extrapolated", "load: EXTRAPOLATED_MEAN"),
-             end = decays("end", "load: END_OF_STEP"), mean = decays("mean", "load: MEAN_OF_STEP"),
+  const auto best = decays("extrapolated", ""), end = decays("end", "load: END_OF_STEP"),
+             mean = decays("mean", "load: MEAN_OF_STEP"),
              mesh = decays("mesh_rate", "wall_velocity: MESH_RATE");
   for (std::size_t i = 0; i < best.size(); ++i) {
     EXPECT_LT(std::abs(best[i]), 0.2 * end[i]);
@@ -211,14 +214,13 @@ TEST(AddedMass, ByPairOfWallVelocityAndLoad) {
 TEST(AddedMass, ByAccelerator) {
   const auto iterations = [](const std::string& name, int ratio, const std::string& scheme,
                              const std::string& acceleration) {
-    const Layers c{
-        .ratio = static_cast<double>(ratio),
-        .along = 16,
-        .steps = 12,
-        .loop = "relative: 1e-4 load: EXTRAPOLATED_MEAN max_iterations: 100 stall: 0 non_convergence: ACCEPT "
-                "scheme: " +
-                scheme,
-        .acceleration = fmt::format("{} relaxation: {}", acceleration, 0.9 / (1 + ratio))};
+    const Layers c{.ratio = static_cast<double>(ratio),
+                   .along = 16,
+                   .steps = 12,
+                   .loop = "relative: 1e-4 max_iterations: 100 stall: 0 non_convergence: ACCEPT "
+                           "scheme: " +
+                           scheme,
+                   .acceleration = fmt::format("{} relaxation: {}", acceleration, 0.9 / (1 + ratio))};
     return swing(fmt::format("{}_mass_{}", name, ratio), c).run.mean_iterations();
   };
   for (const int ratio : {1, 10, 100}) {
@@ -229,9 +231,10 @@ TEST(AddedMass, ByAccelerator) {
                  imvj = iterations("iqn_imvj", ratio, "SERIAL", "method: IQN_IMVJ");
     (void)iterations("parallel_iqn_ils", ratio, "PARALLEL", "");
     (void)iterations("parallel_iqn_imvj", ratio, "PARALLEL", "method: IQN_IMVJ");
+    if (ratio == 1) continue; // there any of them does
     EXPECT_LT(ils, alone);
     EXPECT_LT(imvj, alone);
-    EXPECT_LE(alone, aitken + 1);
+    EXPECT_LT(alone, aitken);
   }
 }
 #endif

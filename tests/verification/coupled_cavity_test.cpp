@@ -106,7 +106,7 @@ void write_case(const std::filesystem::path& folder, const Cavity& c) {
                      "mesh_mover {{ command: 'mesh_mover' config: 'mesh.textproto' }}\n"
                      "fluid {{ command: 'fluid_solver' config: 'fluid.textproto' }}\n"
                      "time {{ step: {} steps: {} }}\n"
-                     "loop {{ relative: 1e-6 max_iterations: 60 load: EXTRAPOLATED_MEAN }}\n"
+                     "loop {{ relative: 1e-6 max_iterations: 60 }}\n"
                      "acceleration {{ {} }}\n"
                      "outer_boundary: FIXED\n",
                      c.time_step, std::lround(c.end / c.time_step), c.acceleration);

@@ -31,7 +31,7 @@ struct Flag {
   double ramp = 2;        ///< time in which the inflow starts
   std::string kick = "0"; ///< acceleration across, starts the swinging
   double rho_infinity = 0.8;
-  std::string criterion = "relative: 1e-3 load: EXTRAPOLATED_MEAN";
+  std::string criterion = "relative: 1e-3";
 };
 
 /// Nine-node quadrilaterals, `along` x `across`; its left end lies on the cylinder.
@@ -126,9 +126,18 @@ struct History {
   std::vector<double> u_x, u_y, drag, lift;
 };
 
+/// A column at the ends of whole steps; steps that were done in halves have more rows.
+std::vector<double> at_steps(const Table& table, const std::string& name, double time_step) {
+  const std::vector<double> t = column(table, "time"), all = column(table, name);
+  std::vector<double> values;
+  for (std::size_t i = 0; i < t.size(); ++i)
+    if (std::abs(t[i] / time_step - std::round(t[i] / time_step)) < 1e-6) values.push_back(all[i]);
+  return values;
+}
+
 /// Runs the case; displacements of the flag's end, and forces as the discrete equations say, a value a step.
 History run(const Flag& f) {
-  const auto folder = fresh_folder("run");
+  const auto folder = fresh_folder(f.name.substr(f.name.find('/') + 1));
   write_structure(folder, f);
   write_fluid(folder, f);
   write_rest(folder, f);
@@ -136,8 +145,8 @@ History run(const Flag& f) {
   fmt::print("{}: {:.2f} iterations a step\n", f.name, coupled.mean_iterations(10));
   const Table probe = read_csv(folder / "run/structure/probes.csv");
   const Table force = read_csv(folder / "run/fluid/forces.csv");
-  return {column(probe, "A_x"), column(probe, "A_y"), column(force, "all_reaction_x"),
-          column(force, "all_reaction_y")};
+  return {at_steps(probe, "A_x", f.time_step), at_steps(probe, "A_y", f.time_step),
+          at_steps(force, "all_reaction_x", f.time_step), at_steps(force, "all_reaction_y", f.time_step)};
 }
 
 struct Swing {
@@ -170,18 +179,8 @@ void verify_swing(const std::string& name, const std::string& quantity, const fl
 
 #if DROGUE_FLAG == 1
 void verify_steady(const std::string& level, const fluid::FlagSizes& sizes, int along, double tolerance) {
-  const Flag f{"coupler/fsi1" + level,
-               0.2,
-               1000,
-               1.4e6,
-               sizes,
-               along,
-               0.5,
-               40,
-               2,
-               "0",
-               0,
-               "relative: 1e-3 absolute: 1e-8 load: EXTRAPOLATED_MEAN"};
+  const Flag f{"coupler/fsi1" + level,         0.2, 1000, 1.4e6, sizes, along, 0.5, 40, 2, "0", 0,
+               "relative: 1e-3 absolute: 1e-8"};
   const History h = run(f);
   verify_relative(f.name, "u_x", h.u_x.back(), 2.270493e-5, tolerance);
   verify_relative(f.name, "u_y", h.u_y.back(), 8.208773e-4, tolerance);
