@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <utility>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+
+#include "common/la_krylov/ghost_exchange.hpp"
+#include "common/la_krylov/session.hpp"
 
 namespace drogue::mesh_mover {
 namespace {
@@ -103,67 +107,104 @@ NearestSource nearest_sources(const Graph& graph, std::span<const double> points
   return nearest;
 }
 
-AlgebraicExtension::AlgebraicExtension(const Settings& settings, const Cells& cells,
-                                       const BoundaryMotion& motion)
-    : dimension_(cells.dimension),
-      exponent_(settings.weight_exponent),
-      motion_(motion),
-      graph_(lower_pattern(cells, motion.given().size())) {
-  std::vector<bool> is_displaced(motion.given().size(), false);
-  for (std::size_t k = 0; k < motion.boundaries().size(); ++k) {
-    if (motion.boundaries()[k].condition != Condition::displacement || motion.owned_nodes(k).empty())
-      continue;
-    bodies_.push_back({motion.owned_nodes(k), {}});
-    for (const std::int32_t node : motion.owned_nodes(k)) is_displaced[static_cast<std::size_t>(node)] = true;
-  }
+AlgebraicExtension::AlgebraicExtension(ExtensionInput input, bool share)
+    : input_(std::move(input)),
+      dimension_(input_.cells.dimension),
+      graph_(lower_pattern(input_.cells, input_.given.size())),
+      rank_(share ? la::rank() : 0),
+      nearest_bodies_(input_.bodies.size()) {
+  const int ranks = share ? la::rank_count() : 1;
+  const auto first = [&](int rank) {
+    return static_cast<std::int32_t>(input_.given.size() * static_cast<std::size_t>(rank) /
+                                     static_cast<std::size_t>(ranks));
+  };
+  for (int rank = 0; rank < ranks; ++rank) shares_.push_back({first(rank), first(rank + 1)});
+  std::vector<bool> is_displaced(input_.given.size(), false);
+  for (const auto& body : input_.bodies)
+    for (const std::int32_t node : body) is_displaced[static_cast<std::size_t>(node)] = true;
   for (std::size_t i = 0; i < is_displaced.size(); ++i)
     for (std::size_t c = 0; c < static_cast<std::size_t>(dimension_); ++c)
-      if (!is_displaced[i] && (motion.given()[i] >> c & 1))
-        others_[c].push_back(static_cast<std::int32_t>(i));
+      if (!is_displaced[i] && (input_.given[i] >> c & 1)) others_[c].push_back(static_cast<std::int32_t>(i));
 }
 
 Result<void> AlgebraicExtension::prepare(std::span<const double> points) {
   points_.assign(points.begin(), points.end());
-  for (Body& body : bodies_) body.nearest = nearest_sources(graph_, points_, body.nodes);
-  for (std::size_t c = 0; c < static_cast<std::size_t>(dimension_); ++c)
-    nearest_others_[c] = c > 0 && others_[c] == others_[c - 1] ? nearest_others_[c - 1]
-                                                               : nearest_sources(graph_, points_, others_[c]);
+  search();
   return {};
 }
 
+/// The searches are dealt out to the ranks; each gets to know what the others found.
+void AlgebraicExtension::search() {
+  struct Job {
+    NearestSource* found;
+    const std::vector<std::int32_t>* sources;
+  };
+  std::vector<Job> jobs;
+  for (std::size_t b = 0; b < input_.bodies.size(); ++b)
+    jobs.push_back({&nearest_bodies_[b], &input_.bodies[b]});
+  const auto components = static_cast<std::size_t>(dimension_);
+  const auto is_repeated = [&](std::size_t c) { return c > 0 && others_[c] == others_[c - 1]; };
+  for (std::size_t c = 0; c < components; ++c)
+    if (!is_repeated(c)) jobs.push_back({&nearest_others_[c], &others_[c]});
+  for (std::size_t k = 0; k < jobs.size(); ++k) {
+    const bool own = k % shares_.size() == static_cast<std::size_t>(rank_);
+    NearestSource& found = *jobs[k].found;
+    if (own) found = nearest_sources(graph_, points_, *jobs[k].sources);
+    if (shares_.size() == 1) continue;
+    const std::size_t n = input_.given.size();
+    std::vector<double> sum(2 * n, 0.0); // zero on the ranks that did not search
+    for (std::size_t i = 0; own && i < n; ++i) {
+      sum[i] = found.node[i];
+      sum[n + i] = found.distance[i];
+    }
+    la::sum_over_ranks(sum.data(), static_cast<int>(sum.size()));
+    found.node.assign(sum.begin(), sum.begin() + static_cast<std::ptrdiff_t>(n));
+    found.distance.assign(sum.begin() + static_cast<std::ptrdiff_t>(n), sum.end());
+  }
+  for (std::size_t c = 0; c < components; ++c)
+    if (is_repeated(c)) nearest_others_[c] = nearest_others_[c - 1];
+}
+
 double AlgebraicExtension::weight(double distance) const noexcept {
-  return std::pow(std::max(distance, std::numeric_limits<double>::min()), -exponent_);
+  return std::pow(std::max(distance, std::numeric_limits<double>::min()), -input_.numbers.weight_exponent);
+}
+
+template <int D>
+void AlgebraicExtension::extend_own_nodes(std::span<double> u) const {
+  std::vector<AffineMotion<D>> fits;
+  for (const auto& body : input_.bodies) fits.push_back(fit<D>(points_, u, body));
+  const la::RowRange own = shares_[static_cast<std::size_t>(rank_)];
+  for (std::int32_t node = own.first; node < own.last; ++node) {
+    const auto i = static_cast<std::size_t>(node);
+    Vector<D> sum = Vector<D>::Zero(), weights = Vector<D>::Zero();
+    for (std::size_t b = 0; b < fits.size(); ++b) {
+      const std::int32_t source = nearest_bodies_[b].node[i];
+      if (source == none) continue;
+      const double w = weight(nearest_bodies_[b].distance[i]);
+      const Vector<D> rest = at<D>(u, source) - fits[b](at<D>(points_, source));
+      sum += w * (fits[b](at<D>(points_, node)) + rest);
+      weights.array() += w;
+    }
+    for (int c = 0; c < D; ++c) {
+      if (input_.given[i] >> c & 1) continue;
+      const NearestSource& other = nearest_others_[static_cast<std::size_t>(c)];
+      if (other.node[i] != none) {
+        const double w = weight(other.distance[i]);
+        sum[c] += w * u[3 * static_cast<std::size_t>(other.node[i]) + static_cast<std::size_t>(c)];
+        weights[c] += w;
+      }
+      u[3 * i + static_cast<std::size_t>(c)] = weights[c] > 0 ? sum[c] / weights[c] : 0;
+    }
+  }
 }
 
 Result<SolveOutcome> AlgebraicExtension::extend(std::span<double> u, std::span<const double>) {
-  const Mask& given = motion_.given();
-  with_dimension(dimension_, [&](auto dimension) {
-    constexpr int D = dimension;
-    std::vector<AffineMotion<D>> fits;
-    for (const Body& body : bodies_) fits.push_back(fit<D>(points_, u, body.nodes));
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      const auto node = static_cast<std::int32_t>(i);
-      Vector<D> sum = Vector<D>::Zero(), weights = Vector<D>::Zero();
-      for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        const std::int32_t source = bodies_[b].nearest.node[i];
-        if (source == none) continue;
-        const double w = weight(bodies_[b].nearest.distance[i]);
-        const Vector<D> rest = at<D>(u, source) - fits[b](at<D>(points_, source));
-        sum += w * (fits[b](at<D>(points_, node)) + rest);
-        weights.array() += w;
-      }
-      for (int c = 0; c < D; ++c) {
-        if (given[i] >> c & 1) continue;
-        const NearestSource& other = nearest_others_[static_cast<std::size_t>(c)];
-        if (other.node[i] != none) {
-          const double w = weight(other.distance[i]);
-          sum[c] += w * u[3 * static_cast<std::size_t>(other.node[i]) + static_cast<std::size_t>(c)];
-          weights[c] += w;
-        }
-        u[3 * i + static_cast<std::size_t>(c)] = weights[c] > 0 ? sum[c] / weights[c] : 0;
-      }
-    }
-  });
+  with_dimension(dimension_, [&](auto dimension) { extend_own_nodes<dimension>(u); });
+  if (shares_.size() > 1) {
+    const la::RowRange own = shares_[static_cast<std::size_t>(rank_)];
+    const std::vector<double> found(u.begin() + 3 * own.first, u.begin() + 3 * own.last);
+    la::gather_to_all(shares_, 3, found, u);
+  }
   return SolveOutcome{true, 0, 0};
 }
 

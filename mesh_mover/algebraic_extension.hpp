@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "common/la_krylov/node_graph.hpp"
 #include "mesh_mover/extension.hpp"
 #include "mesh_mover/graph.hpp"
 
@@ -33,25 +34,25 @@ struct NearestSource {
 /// guarantee against inversion where a boundary bends much.
 class AlgebraicExtension : public Extension {
  public:
-  /// `motion` must outlive this object.
-  AlgebraicExtension(const Settings& settings, const Cells& cells, const BoundaryMotion& motion);
+  /// @param share share the searches and the nodes with the other ranks
+  AlgebraicExtension(ExtensionInput input, bool share);
 
   [[nodiscard]] Result<void> prepare(std::span<const double> points) override;
   [[nodiscard]] Result<SolveOutcome> extend(std::span<double> u, std::span<const double> increment) override;
 
  private:
-  struct Body {
-    std::vector<std::int32_t> nodes;
-    NearestSource nearest;
-  };
   [[nodiscard]] double weight(double distance) const noexcept;
+  void search();
+  template <int D>
+  void extend_own_nodes(std::span<double> u) const;
 
+  ExtensionInput input_;
   int dimension_;
-  double exponent_;
-  const BoundaryMotion& motion_;
   Graph graph_;
+  std::vector<la::RowRange> shares_; // of the nodes, a rank each
+  int rank_ = 0;
   std::vector<double> points_;
-  std::vector<Body> bodies_;
+  std::vector<NearestSource> nearest_bodies_;
   std::array<std::vector<std::int32_t>, 3> others_; // nodes not displaced whose component is given
   std::array<NearestSource, 3> nearest_others_;
 };

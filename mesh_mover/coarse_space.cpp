@@ -24,7 +24,8 @@ constexpr std::size_t aggregate_size = 150;
 
 } // namespace
 
-CoarseSpace::CoarseSpace(const SymmetricBlocks<double>& A, const Mask& given) : A_(A), given_(given) {
+CoarseSpace::CoarseSpace(const SymmetricBlocks<double>& A, const Mask& given, const SharedRows& rows)
+    : A_(A), given_(given), rows_(rows) {
   gather(A);
   find_pattern(A);
   rhs_.resize(modes * static_cast<std::size_t>(count_));
@@ -125,11 +126,11 @@ Eigen::Matrix3d CoarseSpace::rotations(std::size_t row) const noexcept {
   return R;
 }
 
-/// E = sum of Z_i^T A_ij Z_j with Z_i = [I, R_i].
+/// E = sum of Z_i^T A_ij Z_j with Z_i = [I, R_i]; every rank has the lower blocks of its own rows.
 void CoarseSpace::sum_blocks() {
   using Block = SymmetricBlocks<double, 6>::Block;
   std::fill(coarse_.values.begin(), coarse_.values.end(), 0.0);
-  for (std::size_t i = 0; i < A_.rows(); ++i) {
+  for (std::size_t i = rows_.own().first; i < rows_.own().last; ++i) {
     if (aggregate_[i] == none) continue;
     const Eigen::Matrix3d R_i = rotations(i).transpose();
     for (std::size_t k = A_.begin(i); k <= A_.diagonal(i); ++k) {
@@ -154,6 +155,7 @@ void CoarseSpace::sum_blocks() {
         E += Z + Z.transpose();
     }
   }
+  rows_.sum(coarse_.values);
 }
 
 Result<void> CoarseSpace::factor(std::span<const double> positions) {
@@ -184,7 +186,7 @@ Result<void> CoarseSpace::factor(std::span<const double> positions) {
 Result<void> CoarseSpace::add(std::span<const double> r, std::span<double> z) {
   using Vector = Eigen::Vector3d;
   std::fill(rhs_.begin(), rhs_.end(), 0.0);
-  for (std::size_t i = 0; i < aggregate_.size(); ++i) {
+  for (std::size_t i = rows_.own().first; i < rows_.own().last; ++i) {
     if (aggregate_[i] == none) continue;
     Vector force;
     for (int c = 0; c < 3; ++c) force[c] = given_[i] >> c & 1 ? 0 : r[3 * i + static_cast<std::size_t>(c)];
@@ -192,8 +194,9 @@ Result<void> CoarseSpace::add(std::span<const double> r, std::span<double> z) {
     Eigen::Map<Vector>{rhs} += force;
     Eigen::Map<Vector>{rhs + 3} += Eigen::Map<const Vector>(&arms_[3 * i]).cross(force);
   }
+  rows_.sum(rhs_);
   DROGUE_TRY(solver_.solve(rhs_, rhs_));
-  for (std::size_t i = 0; i < aggregate_.size(); ++i) {
+  for (std::size_t i = rows_.own().first; i < rows_.own().last; ++i) {
     if (aggregate_[i] == none) continue;
     const double* motion = &rhs_[modes * static_cast<std::size_t>(aggregate_[i])];
     const Vector u = Eigen::Map<const Vector>(motion) +

@@ -5,7 +5,7 @@
 
 #include "common/base/result.hpp"
 #include "common/la_direct/direct_solver.hpp"
-#include "mesh_mover/block_matrix.hpp"
+#include "mesh_mover/shared_rows.hpp"
 
 namespace drogue::mesh_mover {
 
@@ -17,13 +17,14 @@ using Mask = std::vector<std::uint8_t>;
 /// rotations (six columns an aggregate), E = Z^T A Z is factored directly.
 class CoarseSpace {
  public:
-  /// Gathers the nodes; depends on the pattern and the mask alone. `A` and `given` must outlive this object.
-  CoarseSpace(const SymmetricBlocks<double>& A, const Mask& given);
+  /// Gathers the nodes; depends on the pattern and the mask alone. `A`, `given` and `rows` must outlive this
+  /// object.
+  CoarseSpace(const SymmetricBlocks<double>& A, const Mask& given, const SharedRows& rows);
 
   /// Factors E for the values of A. `positions` {3 rows} of the nodes.
-  /// Errors (ErrorKind::internal): E is not positive definite.
+  /// Errors (ErrorKind::internal): E is not positive definite. @note Collective
   [[nodiscard]] Result<void> factor(std::span<const double> positions);
-  /// z += Z E^-1 Z^T r; `r` and `z` {nodes, 3}.
+  /// z += Z E^-1 Z^T r, for the own rows; `r` and `z` {nodes, 3}. @note Collective
   [[nodiscard]] Result<void> add(std::span<const double> r, std::span<double> z);
 
   [[nodiscard]] std::int32_t aggregate_count() const { return count_; }
@@ -37,6 +38,7 @@ class CoarseSpace {
 
   const SymmetricBlocks<double>& A_;
   const Mask& given_;
+  const SharedRows& rows_;
   std::int32_t count_ = 0;
   std::vector<std::int32_t> aggregate_; // of each node; -1 when all its components are given
   std::vector<double> arms_;            // of each node from its aggregate's centre, by the aggregate's radius

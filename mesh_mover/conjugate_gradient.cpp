@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace drogue::mesh_mover {
 namespace {
@@ -16,10 +17,15 @@ std::span<double> values(Eigen::VectorXd& v) {
 
 } // namespace
 
-ConjugateGradient::ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given, int threads)
-    : parts_(A, threads), A_(A, parts_), incomplete_(A, parts_), coarse_(A, given) {
+ConjugateGradient::ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given, SharedRows rows,
+                                     int threads)
+    : rows_(std::move(rows)),
+      parts_(A, rows_.own(), threads),
+      A_(A, parts_),
+      incomplete_(A, parts_),
+      coarse_(A, given, rows_) {
   const auto n = static_cast<Eigen::Index>(3 * A.rows());
-  for (Vector* v : {&r_, &z_, &p_, &w_}) v->resize(n);
+  for (Vector* v : {&r_, &z_, &p_, &w_}) v->setZero(n);
   sums_.resize(static_cast<std::size_t>(parts_.count()));
 }
 
@@ -34,7 +40,7 @@ void ConjugateGradient::for_each_part(Function&& function) {
 
 double ConjugateGradient::dot(const Vector& a, const Vector& b) {
   for_each_part([&](std::size_t part, auto range) { sums_[part] = a(range).dot(b(range)); });
-  return std::accumulate(sums_.begin(), sums_.end(), 0.0);
+  return rows_.sum(std::accumulate(sums_.begin(), sums_.end(), 0.0));
 }
 
 Result<void> ConjugateGradient::update(std::span<const double> positions) {
@@ -53,11 +59,14 @@ Result<SolveOutcome> ConjugateGradient::solve(std::span<const double> b, std::sp
   const Eigen::Map<const Vector> rhs(b.data(), n);
   Eigen::Map<Vector> solution(x.data(), n);
   // 1. coarse correction of the start value
-  A_.multiply(x, values(w_));
-  r_ = rhs - w_;
+  const auto find_residual = [&] {
+    A_.multiply(x, values(w_));
+    for_each_part([&](std::size_t, auto range) { r_(range) = rhs(range) - w_(range); });
+  };
+  find_residual();
   DROGUE_TRY(coarse_.add(values(r_), x));
-  A_.multiply(x, values(w_));
-  r_ = rhs - w_;
+  rows_.fetch(x);
+  find_residual();
   // 2. preconditioned conjugate gradients
   SolveOutcome outcome{false, 0, std::sqrt(dot(r_, r_))};
   double rz = 0;
@@ -72,6 +81,7 @@ Result<SolveOutcome> ConjugateGradient::solve(std::span<const double> b, std::sp
       else
         p_(range) = z_(range) + beta * p_(range);
     });
+    rows_.fetch(values(p_));
     A_.multiply(values(p_), values(w_));
     const double curvature = dot(p_, w_);
     if (!(curvature > 0)) break; // rounding, or values that are not finite
@@ -81,9 +91,10 @@ Result<SolveOutcome> ConjugateGradient::solve(std::span<const double> b, std::sp
       r_(range) -= alpha * w_(range);
       sums_[part] = r_(range).squaredNorm();
     });
-    outcome.residual = std::sqrt(std::accumulate(sums_.begin(), sums_.end(), 0.0));
+    outcome.residual = std::sqrt(rows_.sum(std::accumulate(sums_.begin(), sums_.end(), 0.0)));
     ++outcome.iterations;
   }
+  rows_.gather(x);
   return outcome;
 }
 

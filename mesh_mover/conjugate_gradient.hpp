@@ -17,18 +17,24 @@ struct SolveOutcome {
 ///     M^-1 = (L D L^T)^-1 + Z E^-1 Z^T
 /// of incomplete factors, which smooth between neighbours, and a coarse space, which carries the motion of
 /// the boundary through the whole mesh, so that the number of iterations hardly grows with the mesh.
+///
+/// On several ranks each works on its own rows; the coarse matrix is factored by all of them.
 class ConjugateGradient {
  public:
   /// `A` and `given` must outlive this object; A's values may change between calls of update().
   /// @param threads 0: those to use by default, fewer for small matrices
-  ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given, int threads = 0);
+  ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given, int threads = 0)
+      : ConjugateGradient(A, given, SharedRows(A), threads) {}
+  /// On several ranks, of A those values suffice that the own rows and columns need.
+  ConjugateGradient(const SymmetricBlocks<double>& A, const Mask& given, SharedRows rows, int threads = 0);
   ConjugateGradient(const ConjugateGradient&) = delete;
   ConjugateGradient& operator=(const ConjugateGradient&) = delete;
 
-  /// The matrix has new values, for nodes at `positions` {3 rows}: factors the preconditioner.
+  /// The matrix has new values, for nodes at `positions` {3 rows}: factors the preconditioner. @note
+  /// Collective
   [[nodiscard]] Result<void> update(std::span<const double> positions);
   /// Solves A x = b from the start value in x, corrected on the coarse space first, until the residual's
-  /// Euclidean norm is at most `tolerance`. `b` and `x` {3 rows}.
+  /// Euclidean norm is at most `tolerance`. `b` and `x` {3 rows}, whole on every rank. @note Collective
   [[nodiscard]] Result<SolveOutcome> solve(std::span<const double> b, std::span<double> x, double tolerance,
                                            int max_iterations);
 
@@ -41,6 +47,7 @@ class ConjugateGradient {
   template <class Function>
   void for_each_part(Function&& function);
 
+  SharedRows rows_;
   RowParts parts_;
   PartedProduct A_;
   IncompleteCholesky incomplete_;

@@ -9,9 +9,8 @@ namespace drogue::mesh_mover {
 /// The pseudo-solid in equilibrium with its boundary's displacement: pseudo_solid.hpp.
 class ElasticExtension : public Extension {
  public:
-  /// `cells` and `motion` must outlive this object. @param initial_jacobians {m}
-  ElasticExtension(const Settings& settings, const Cells& cells, const BoundaryMotion& motion,
-                   std::span<const double> initial_jacobians);
+  /// @param share do this rank's share of the work; direct factors are not shared
+  ElasticExtension(ExtensionInput input, bool share);
 
   [[nodiscard]] Result<void> prepare(std::span<const double> points) override;
   /// The residual is measured against the load of the increment.
@@ -20,9 +19,8 @@ class ElasticExtension : public Extension {
  private:
   [[nodiscard]] double free_norm(std::span<const double> f) const;
 
+  ExtensionInput input_;
   PseudoSolid solid_;
-  double tolerance_;
-  int max_iterations_;
   Stiffness stiffness_;
   LinearSolver solver_;
   std::vector<double> load_, work_;        // by nodes

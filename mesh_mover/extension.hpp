@@ -9,7 +9,28 @@
 
 namespace drogue::mesh_mover {
 
-/// A way to carry the displacement of the boundary into the mesh.
+/// What an extension is made of; the same on every rank.
+struct ExtensionInput {
+  Method method = Method::elastic;
+  Cells cells;
+  Mask given;
+  /// Method::elastic: factors of the elements' stiffness {m}, empty: one.
+  std::vector<double> factors;
+  /// Method::algebraic: the nodes that each displaced boundary governs alone.
+  std::vector<std::vector<std::int32_t>> bodies;
+  struct Numbers {
+    double poisson_ratio = 0;
+    double stiffening_exponent = 0;
+    double mean_jacobian = 0;
+    double tolerance = 0;
+    double weight_exponent = 0;
+    int max_iterations = 0;
+    LinearSolverKind linear_solver = LinearSolverKind::automatic;
+  } numbers;
+};
+
+/// A way to carry the displacement of the boundary into the mesh. On several ranks every function is called
+/// on each of them with the same arguments and gives the same results.
 class Extension {
  public:
   Extension() = default;
@@ -32,7 +53,17 @@ class Extension {
                                                     std::span<const double> increment) = 0;
 };
 
-/// The extension that the settings ask for. `cells` and `motion` must outlive it.
+/// @param initial_jacobians {m}
+[[nodiscard]] ExtensionInput extension_input(const Settings& settings, const Cells& cells,
+                                             const BoundaryMotion& motion,
+                                             std::span<const double> initial_jacobians);
+
+/// The extension on this process, or its share of it among all ranks.
+/// @param share false: this process works alone
+[[nodiscard]] std::unique_ptr<Extension> make_extension(ExtensionInput input, bool share);
+
+/// The extension that the settings ask for. On several ranks it is to be made and used on the first one
+/// alone: the others do their share in serve_extensions() (shared_extension.hpp).
 /// @param initial_jacobians {m}
 [[nodiscard]] std::unique_ptr<Extension> make_extension(const Settings& settings, const Cells& cells,
                                                         const BoundaryMotion& motion,

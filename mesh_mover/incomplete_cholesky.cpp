@@ -22,8 +22,9 @@ IncompleteCholesky::IncompleteCholesky(const SymmetricBlocks<double>& A, const R
     : A_(A), parts_(parts), y_(3 * A.rows()), z_(3 * A.rows()) {
   L_.row_start.assign(1, 0);
   for (std::size_t i = 0; i < A.rows(); ++i) {
-    const auto first = static_cast<std::int32_t>(parts.begin(parts.part_of(i)));
-    for (std::size_t k = A.begin(i); k <= A.diagonal(i); ++k) {
+    const bool own = parts.own().has(i);
+    const auto first = own ? static_cast<std::int32_t>(parts.begin(parts.part_of(i))) : 0;
+    for (std::size_t k = A.begin(i); own && k <= A.diagonal(i); ++k) {
       if (A.column[k] < first) continue;
       L_.column.push_back(A.column[k]);
       source_.push_back(static_cast<std::int32_t>(k));

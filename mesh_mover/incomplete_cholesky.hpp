@@ -9,7 +9,8 @@ namespace drogue::mesh_mover {
 
 /// Incomplete factors L D L^T of a symmetric positive definite matrix on its own pattern, by 3 x 3 blocks, in
 /// single precision: as a preconditioner it only steers the iteration, and half the memory is half the time.
-/// Couplings between the parts of the rows are left out, so that each part has a thread of its own.
+/// Couplings between the parts of the rows are left out, so that each part has a thread of its own; so are
+/// the rows of other ranks.
 ///
 /// Where a pivot block is not positive definite, the factorisation starts again with all diagonal blocks
 /// enlarged (Manteuffel's shift), so that the preconditioner is always symmetric positive definite.

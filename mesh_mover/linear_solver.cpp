@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_mover/linear_solver.hpp"
 
+#include <utility>
+
 namespace drogue::mesh_mover {
 namespace {
 
@@ -9,7 +11,9 @@ namespace {
 constexpr std::size_t largest_direct_2d = 300'000;
 constexpr std::size_t largest_direct_3d = 2'000;
 
-bool is_direct_kind(LinearSolverKind kind, std::size_t nodes, int dimension) {
+} // namespace
+
+bool is_direct(LinearSolverKind kind, std::size_t nodes, int dimension) {
   switch (kind) {
   case LinearSolverKind::direct:
     return true;
@@ -21,14 +25,12 @@ bool is_direct_kind(LinearSolverKind kind, std::size_t nodes, int dimension) {
   return nodes <= (dimension == 2 ? largest_direct_2d : largest_direct_3d);
 }
 
-} // namespace
-
 LinearSolver::LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension,
-                           LinearSolverKind kind) {
-  if (is_direct_kind(kind, A.rows(), dimension))
+                           LinearSolverKind kind, SharedRows rows) {
+  if (mesh_mover::is_direct(kind, A.rows(), dimension))
     direct_ = std::make_unique<DirectSolver>(A, given);
   else
-    iterative_ = std::make_unique<ConjugateGradient>(A, given);
+    iterative_ = std::make_unique<ConjugateGradient>(A, given, std::move(rows));
 }
 
 Result<void> LinearSolver::update(std::span<const double> positions) {

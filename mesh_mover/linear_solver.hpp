@@ -9,12 +9,19 @@
 
 namespace drogue::mesh_mover {
 
+/// Whether a mesh of so many nodes is solved by direct factors.
+[[nodiscard]] bool is_direct(LinearSolverKind kind, std::size_t nodes, int dimension);
+
 /// The one place where systems of the pseudo-solid are solved: by direct factors or by iteration.
 class LinearSolver {
  public:
   /// `A` and `given` must outlive this object.
   /// @param kind LinearSolverKind::automatic: direct in two dimensions, and for small meshes in three
-  LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension, LinearSolverKind kind);
+  LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension, LinearSolverKind kind)
+      : LinearSolver(A, given, dimension, kind, SharedRows(A)) {}
+  /// @param rows shared among ranks only for an iteration
+  LinearSolver(const SymmetricBlocks<double>& A, const Mask& given, int dimension, LinearSolverKind kind,
+               SharedRows rows);
 
   [[nodiscard]] bool is_direct() const { return direct_ != nullptr; }
   /// The matrix has new values, for nodes at `positions` {3 rows}.

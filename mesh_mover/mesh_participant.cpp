@@ -23,8 +23,8 @@ std::vector<double> pick(std::span<const double> values, std::span<const std::in
 
 } // namespace
 
-MeshParticipant::MeshParticipant(Case input)
-    : settings_(std::move(input.settings)), initial_mesh_(std::move(input.mesh)) {}
+MeshParticipant::MeshParticipant(Case input, std::vector<std::int64_t> pids)
+    : settings_(std::move(input.settings)), pids_(std::move(pids)), initial_mesh_(std::move(input.mesh)) {}
 
 participant::Description MeshParticipant::describe() {
   using v1::FieldContract;
@@ -33,6 +33,7 @@ participant::Description MeshParticipant::describe() {
   description.can_rollback = true;
   description.can_checkpoint = true;
   description.variable_step = true;
+  description.pids = pids_;
   description.inputs = {
       participant::field("displacement", FieldContract::DISPLACEMENT, FieldContract::INTERFACE_NODES, 3),
       participant::field("translation", FieldContract::TRANSLATION, FieldContract::GLOBAL, 3)};

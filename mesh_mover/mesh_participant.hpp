@@ -17,7 +17,8 @@ namespace drogue::mesh_mover {
 class MeshParticipant : public participant::Solver {
  public:
   /// @param input loaded for Role::participant
-  explicit MeshParticipant(Case input);
+  /// @param pids of all ranks; empty: this process alone
+  explicit MeshParticipant(Case input, std::vector<std::int64_t> pids = {});
 
   [[nodiscard]] participant::Description describe() override;
   [[nodiscard]] Result<void> configure(const participant::RunInfo& run) override;
@@ -34,6 +35,7 @@ class MeshParticipant : public participant::Solver {
   [[nodiscard]] participant::InterfaceMesh interface_mesh() const;
 
   Settings settings_;
+  std::vector<std::int64_t> pids_;
   mesh::Mesh initial_mesh_; // until initialize
   std::unique_ptr<MeshMover> mover_;
   std::string mesh_hash_;

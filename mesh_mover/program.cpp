@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "mesh_mover/program.hpp"
 
-#include <cstdlib>
-#include <string_view>
+#include <optional>
+#include <utility>
 
 #include "common/la_direct/direct_solver.hpp"
+#include "common/la_krylov/session.hpp"
 #include "mesh_mover/mesh_participant.hpp"
+#include "mesh_mover/shared_extension.hpp"
 #include "mesh_mover/standalone.hpp"
 
 namespace drogue::mesh_mover {
@@ -23,13 +25,14 @@ Result<Case> load_whole_case(const std::filesystem::path& file, Role role) {
   return input;
 }
 
-/// Under mpiexec every rank would do the same work and write the same files.
-Result<void> check_alone() {
-  const char* ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
-  if (ranks && std::string_view(ranks) != "1")
-    return config_error(
-        "mesh_mover works in one process; it was started on {} ranks: start it without mpiexec", ranks);
-  return {};
+/// Everything but the shared work of the other ranks. `pids` of all ranks.
+Result<void> run_on_first_rank(const std::filesystem::path& file, const std::string& endpoint,
+                               std::vector<std::int64_t> pids) {
+  auto input = load_whole_case(file, endpoint.empty() ? Role::alone : Role::participant);
+  if (!input) return input.error();
+  if (endpoint.empty()) return run_standalone(std::move(*input));
+  MeshParticipant solver(std::move(*input), std::move(pids));
+  return participant::serve(solver, participant::serve_options_from_environment(endpoint));
 }
 
 } // namespace
@@ -42,13 +45,21 @@ Result<void> check(const std::filesystem::path& file, Role role) {
 }
 
 Result<void> run(const std::filesystem::path& file, const std::string& endpoint) {
-  DROGUE_TRY(check_alone());
   la::use_one_blas_thread();
-  auto input = load_whole_case(file, endpoint.empty() ? Role::alone : Role::participant);
-  if (!input) return input.error();
-  if (endpoint.empty()) return run_standalone(std::move(*input));
-  MeshParticipant solver(std::move(*input));
-  return participant::serve(solver, participant::serve_options_from_environment(endpoint));
+  std::optional<la::Session> session; // for one rank there is nothing to start
+  if (la::started_on_ranks()) {
+    auto started = la::Session::start();
+    if (!started) return started.error();
+    session.emplace(std::move(*started));
+  }
+  auto pids = la::process_ids();
+  if (la::rank() > 0) {
+    serve_extensions();
+    return {};
+  }
+  const auto done = run_on_first_rank(file, endpoint, std::move(pids));
+  stop_other_ranks();
+  return done;
 }
 
 } // namespace drogue::mesh_mover

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/la_krylov/session.hpp"
+
 namespace drogue::mesh_mover {
 namespace {
 
@@ -10,26 +12,34 @@ namespace {
 constexpr std::size_t rows_per_thread = 5000;
 
 int worthwhile(std::size_t rows) {
-  return std::clamp(static_cast<int>(rows / rows_per_thread), 1, default_threads());
+  return std::clamp(static_cast<int>(rows / rows_per_thread), 1,
+                    std::max(1, default_threads() / la::rank_count()));
 }
 
 } // namespace
 
-RowParts::RowParts(const SymmetricBlocks<double>& A, int parts)
-    : pool_(parts > 0 ? parts : worthwhile(A.rows())) {
-  const std::size_t blocks = A.column.size();
-  const auto n = static_cast<std::size_t>(count());
-  start_.push_back(0);
+std::vector<RowRange> equal_parts(const SymmetricBlocks<double>& A, RowRange whole, int parts) {
+  const std::size_t first = A.begin(whole.first), blocks = A.begin(whole.last) - first;
+  const auto n = static_cast<std::size_t>(parts);
+  std::vector<RowRange> result;
+  std::size_t start = whole.first;
   for (std::size_t part = 1; part < n; ++part) {
-    const auto wanted = static_cast<std::int32_t>(blocks * part / n);
+    const auto wanted = static_cast<std::int32_t>(first + blocks * part / n);
     const auto row = std::lower_bound(A.row_start.begin(), A.row_start.end(), wanted) - A.row_start.begin();
-    start_.push_back(std::max(start_.back(), static_cast<std::size_t>(row)));
+    result.push_back({start, std::max(start, static_cast<std::size_t>(row))});
+    start = result.back().last;
   }
-  start_.push_back(A.rows());
+  result.push_back({start, whole.last});
+  return result;
 }
 
+RowParts::RowParts(const SymmetricBlocks<double>& A, RowRange own, int parts)
+    : pool_(parts > 0 ? parts : worthwhile(own.last - own.first)), parts_(equal_parts(A, own, count())) {}
+
 int RowParts::part_of(std::size_t row) const noexcept {
-  return static_cast<int>(std::upper_bound(start_.begin() + 1, start_.end() - 1, row) - (start_.begin() + 1));
+  const auto ends_before = [](std::size_t i, const RowRange& part) { return i < part.last; };
+  return static_cast<int>(std::upper_bound(parts_.begin(), parts_.end() - 1, row, ends_before) -
+                          parts_.begin());
 }
 
 PartedProduct::PartedProduct(const SymmetricBlocks<double>& A, const RowParts& parts) : A_(A), parts_(parts) {
@@ -40,6 +50,10 @@ PartedProduct::PartedProduct(const SymmetricBlocks<double>& A, const RowParts& p
     low_.push_back(low);
     earlier_.emplace_back(3 * (parts.begin(part) - low));
   }
+  for (std::size_t i = parts.own().last; i < A.rows(); ++i)
+    for (std::size_t k = A.begin(i); k < A.diagonal(i); ++k)
+      if (const auto j = static_cast<std::size_t>(A.column[k]); parts.own().has(j))
+        below_.push_back({k, i, j});
 }
 
 void PartedProduct::multiply_part(int part, std::span<const double> x, std::span<double> y) noexcept {
@@ -74,8 +88,13 @@ void PartedProduct::multiply_part(int part, std::span<const double> x, std::span
 
 void PartedProduct::multiply(std::span<const double> x, std::span<double> y) {
   parts_.run([&](int part) { multiply_part(part, x, y); });
+  const std::size_t first = parts_.own().first;
   for (std::size_t part = 0; part < earlier_.size(); ++part)
-    for (std::size_t k = 0; k < earlier_[part].size(); ++k) y[3 * low_[part] + k] += earlier_[part][k];
+    for (std::size_t k = 3 * (std::max(low_[part], first) - low_[part]); k < earlier_[part].size(); ++k)
+      y[3 * low_[part] + k] += earlier_[part][k];
+  for (const Below& b : below_)
+    Eigen::Map<Eigen::Vector3d>(&y[3 * b.column]) +=
+        A_.block(b.block).transpose() * Eigen::Map<const Eigen::Vector3d>(&x[3 * b.row]);
 }
 
 } // namespace drogue::mesh_mover

@@ -2,7 +2,6 @@
 #include "mesh_mover/stiffness.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "mesh_mover/numbering.hpp"
@@ -11,6 +10,13 @@ namespace drogue::mesh_mover {
 namespace {
 
 constexpr std::uint8_t all_given = 7;
+
+std::vector<std::int32_t> rows_of(const Cells& cells, const std::vector<std::int32_t>& row_of) {
+  std::vector<std::int32_t> rows;
+  rows.reserve(cells.nodes.size());
+  for (const std::int32_t node : cells.nodes) rows.push_back(row_of[static_cast<std::size_t>(node)]);
+  return rows;
+}
 
 /// Nodal forces of one element: f_a = weight sigma(u) g_a, columns a.
 Eigen::Matrix<double, 3, 4> element_force(const PseudoSolid& solid,
@@ -24,18 +30,17 @@ Eigen::Matrix<double, 3, 4> element_force(const PseudoSolid& solid,
 
 } // namespace
 
-Stiffness::Stiffness(const Cells& cells, Mask given, std::vector<double> factors)
+Stiffness::Stiffness(const Cells& cells, Mask given, std::vector<double> factors, bool share)
     : cells_(cells),
       factors_(std::move(factors)),
       given_(std::move(given)),
       row_of_(reverse_cuthill_mckee(cells, given_.size())),
-      cell_rows_(cells.nodes.size()),
-      given_rows_(given_.size()) {
-  for (std::size_t k = 0; k < cell_rows_.size(); ++k)
-    cell_rows_[k] = row_of_[static_cast<std::size_t>(cells_.nodes[k])];
+      cell_rows_(rows_of(cells, row_of_)),
+      given_rows_(given_.size()),
+      matrix_(lower_pattern({cells_.dimension, cell_rows_}, given_.size())),
+      rows_(share ? SharedRows::among_all_ranks(matrix_) : SharedRows(matrix_)) {
   for (std::size_t i = 0; i < given_.size(); ++i)
     given_rows_[static_cast<std::size_t>(row_of_[i])] = given_[i];
-  matrix_ = lower_pattern({cells_.dimension, cell_rows_}, given_.size());
   find_places();
   const int moving = (1 << cells_.dimension) - 1;
   for (std::size_t e = 0; e < cells_.count(); ++e) {
@@ -53,8 +58,10 @@ void Stiffness::find_places() {
   std::vector<std::int32_t> first_row;
   for (std::size_t e = 0; e < cells_.count(); ++e)
     first_row.push_back(*std::min_element(&cell_rows_[n * e], &cell_rows_[n * e] + n));
-  order_.resize(cells_.count());
-  std::iota(order_.begin(), order_.end(), 0);
+  const auto is_own = [&](std::int32_t row) { return rows_.own().has(static_cast<std::size_t>(row)); };
+  for (std::size_t e = 0; e < cells_.count(); ++e)
+    if (std::any_of(&cell_rows_[n * e], &cell_rows_[n * e] + n, is_own))
+      order_.push_back(static_cast<std::int32_t>(e));
   std::stable_sort(order_.begin(), order_.end(), [&](std::int32_t d, std::int32_t e) {
     return first_row[static_cast<std::size_t>(d)] < first_row[static_cast<std::size_t>(e)];
   });
@@ -77,7 +84,7 @@ void Stiffness::assemble(const PseudoSolid& solid, std::span<const double> point
 
 template <int D>
 void Stiffness::assemble_cells(const PseudoSolid& solid, std::span<const double> points) {
-  for (std::size_t k = 0; k < cells_.count(); ++k) add_element<D>(solid, points, k);
+  for (std::size_t k = 0; k < order_.size(); ++k) add_element<D>(solid, points, k);
   for (BoundaryElement& element : boundary_elements_) {
     const auto geometry = simplex_geometry<D>(points, cells_.cell(element.index));
     element.gradients.template topLeftCorner<D, D + 1>() = geometry.gradients;

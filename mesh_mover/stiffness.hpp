@@ -21,7 +21,10 @@ class Stiffness {
  public:
   /// Finds the sparsity and the place of every element's blocks. `cells` must outlive this object.
   /// @param factors of the elements' stiffness {m}; empty: one
-  Stiffness(const Cells& cells, Mask given, std::vector<double> factors = {});
+  /// @param share the rows with the other ranks: only the elements of the own rows are assembled, so that
+  /// their rows and
+  ///              columns are complete
+  Stiffness(const Cells& cells, Mask given, std::vector<double> factors = {}, bool share = false);
 
   /// Assembles on the mesh `points` {n, 3}. @pre all elements have positive volume
   void assemble(const PseudoSolid& solid, std::span<const double> points);
@@ -31,6 +34,7 @@ class Stiffness {
   void boundary_load(std::span<const double> u, std::span<double> load) const;
 
   [[nodiscard]] const SymmetricBlocks<double>& matrix() const { return matrix_; }
+  [[nodiscard]] const SharedRows& rows() const { return rows_; }
   /// The given components in the order of the rows.
   [[nodiscard]] const Mask& given_rows() const { return given_rows_; }
   [[nodiscard]] bool is_given(std::size_t node, int component) const {
@@ -60,11 +64,13 @@ class Stiffness {
   std::vector<double> factors_;
   Mask given_;
   std::vector<std::int32_t> row_of_; // of each node
-  std::vector<std::int32_t> order_;  // {m}: elements by their first rows, so that memory is visited in order
+  std::vector<std::int32_t>
+      order_; // the elements of the own rows by their first rows, so that memory is visited in order
   std::vector<std::int32_t>
       cell_rows_; // {m, dimension + 1}, in mesh order: rows of the nodes of every element
   Mask given_rows_;
   SymmetricBlocks<double> matrix_;
+  SharedRows rows_;
   std::vector<std::int32_t> places_; // where the blocks of nodes a >= b of every element stand, in order_
   std::vector<BoundaryElement> boundary_elements_; // those with a given component
   PseudoSolid solid_;                              // of the last assembly

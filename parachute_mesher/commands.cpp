@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "parachute_mesher/commands.hpp"
 
+#include <cstdio>
+
 #include <fmt/core.h>
 
 #include "common/base/log.hpp"
@@ -87,6 +89,9 @@ Result<void> print_info(const fs::path& mesh_file) {
   const Result<mesh::Mesh> m = mesh::read_msh(mesh_file);
   if (!m) return m.error();
   fmt::print("{}\n{}", mesh_file.string(), describe(*m));
+  std::fflush(stdout);
+  const Result<void> checked = check(*m);
+  if (!checked) return numerical_error("{}: {}", mesh_file.string(), checked.error().message);
   return {};
 }
 

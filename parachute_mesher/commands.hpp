@@ -17,7 +17,8 @@ namespace drogue::parachute {
 /// meshed.
 [[nodiscard]] Result<void> write_fluid_mesh(const std::filesystem::path& config_file);
 
-/// Prints what a mesh holds, and its quality.
+/// Prints what a mesh holds, and its quality. Errors: ErrorKind::config when it cannot be read;
+/// ErrorKind::numerical when it fails a check.
 [[nodiscard]] Result<void> print_info(const std::filesystem::path& mesh_file);
 
 /// Validates a config and prints "FILE: ok".

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/meshing/membrane_checks.hpp"
 #include "parachute_mesher/material_map.hpp"
 
 namespace drogue::parachute {
@@ -59,6 +60,8 @@ Result<CanopySurface> inflated_canopy(const Canopy& canopy, const ClothRows& row
 
 Result<FluidMeshResult> fluid_mesh(const Canopy& canopy, const FluidSettings& settings,
                                    const CanopySurface& surface) {
+  const std::size_t free_edges = canopy.shape == Shape::cross ? 1 : 2 * (canopy.gaps.size() + 1);
+  DROGUE_TRY(meshing::check_free_edges(surface.points, surface.triangles, free_edges));
   const double z = skirt_height(surface);
   const meshing::Box box{.low = {-settings.half_width, -settings.half_width, z - settings.upstream},
                          .high = {settings.half_width, settings.half_width, z + settings.downstream}};

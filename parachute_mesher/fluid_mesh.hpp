@@ -29,7 +29,8 @@ struct FluidMeshResult {
 
 /// The box around the canopy, the flow in +z: boundaries "inflow", "outflow", "side", "canopy_upper",
 /// "canopy_lower", volume "fluid", node field "material" on both sides of the canopy.
-/// Errors (ErrorKind::numerical): the volume cannot be meshed or the mesh fails a check.
+/// Errors (ErrorKind::numerical): the canopy is torn or crosses itself; the volume cannot be meshed or the
+/// mesh fails a check.
 [[nodiscard]] Result<FluidMeshResult> fluid_mesh(const Canopy& canopy, const FluidSettings& settings,
                                                  const CanopySurface& surface);
 

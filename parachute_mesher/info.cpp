@@ -121,4 +121,13 @@ std::string describe(const mesh::Mesh& m) {
   return text;
 }
 
+Result<void> check(const mesh::Mesh& m) {
+  const meshing::TetMesh tets = meshing::from_mesh(m);
+  if (tets.tets.empty()) return {};
+  DROGUE_TRY(meshing::check_volume(tets));
+  const auto* upper = find(tets, "canopy_upper");
+  const auto* lower = find(tets, "canopy_lower");
+  return upper == nullptr || lower == nullptr ? Result<void>() : meshing::check_two_sided(*upper, *lower);
+}
+
 } // namespace drogue::parachute

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <limits>
+#include <string_view>
 #include <thread>
 
 #include <petscksp.h>
@@ -24,15 +25,21 @@ Session::~Session() {
   if (owner_) PetscFinalize();
 }
 
+bool started_on_ranks() {
+  for (const char* variable : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
+    if (const char* size = std::getenv(variable)) return std::string_view(size) != "1";
+  return false;
+}
+
 int rank() {
   int r = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &r);
+  if (PetscInitializeCalled) MPI_Comm_rank(PETSC_COMM_WORLD, &r);
   return r;
 }
 
 int rank_count() {
   int n = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &n);
+  if (PetscInitializeCalled) MPI_Comm_size(PETSC_COMM_WORLD, &n);
   return n;
 }
 
@@ -70,7 +77,8 @@ Result<void> agree(const Result<void>& own) {
 std::vector<std::int64_t> process_ids() {
   std::vector<std::int64_t> ids(static_cast<std::size_t>(rank_count()));
   const std::int64_t own = getpid();
-  MPI_Allgather(&own, 1, MPI_INT64_T, ids.data(), 1, MPI_INT64_T, PETSC_COMM_WORLD);
+  ids.front() = own;
+  if (ids.size() > 1) MPI_Allgather(&own, 1, MPI_INT64_T, ids.data(), 1, MPI_INT64_T, PETSC_COMM_WORLD);
   return ids;
 }
 

@@ -22,6 +22,10 @@ class Session {
   bool owner_ = true;
 };
 
+/// Whether mpiexec started this process as one of several; for programs that need a session only then.
+[[nodiscard]] bool started_on_ranks();
+
+/// Without a session there is one rank.
 [[nodiscard]] int rank();
 [[nodiscard]] int rank_count();
 

@@ -4,12 +4,14 @@
 #include <utility>
 
 #include "common/meshing/checks.hpp"
+#include "common/meshing/membrane_checks.hpp"
 
 namespace drogue::meshing {
 
 Result<MembraneVolume> mesh_membrane_volume(const Box& box, const std::vector<Point>& points,
                                             const std::vector<Triangle>& membrane, const SizeRule& sizes,
                                             const std::string& upper, const std::string& lower) {
+  DROGUE_TRY(check_membrane(points, membrane));
   const SizeField size(sizes, points, membrane);
   Result<TetMesh> meshed = mesh_box(box, points, membrane, [&](const Point& x) { return size(x); });
   if (!meshed) return meshed.error();

@@ -20,8 +20,8 @@ struct MembraneVolume {
 /// (check_volume, check_two_sided). The first nodes of the mesh are `points`. As to repeated calls see
 /// mesh_box.
 ///
-/// Errors (ErrorKind::numerical): as mesh_box, double_nodes and the checks: a mesh that fails one is never
-/// returned.
+/// Errors (ErrorKind::numerical): as check_membrane, mesh_box, double_nodes and the checks: a mesh that fails
+/// one is never returned.
 [[nodiscard]] Result<MembraneVolume> mesh_membrane_volume(const Box& box, const std::vector<Point>& points,
                                                           const std::vector<Triangle>& membrane,
                                                           const SizeRule& sizes, const std::string& upper,

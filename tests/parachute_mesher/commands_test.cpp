@@ -43,8 +43,8 @@ class Commands : public testing::Test {
     ASSERT_NE(at, std::string::npos) << from;
     std::ofstream(config(), std::ios::trunc) << text.replace(at, from.size(), to);
   }
-  /// Writes the structure mesh and an inflated state of it.
-  void prepare_structure() const {
+  /// Writes the structure mesh and an inflated state of it, its displacement times a factor.
+  void prepare_structure(double factor = 1) const {
     const Result<void> written = write_structure_mesh(config());
     ASSERT_TRUE(written.ok()) << written.error().message;
     const Result<mesh::Mesh> m = mesh::read_msh(folder_ / "structure.msh");
@@ -52,8 +52,9 @@ class Commands : public testing::Test {
     const Result<Settings> settings = load_settings(config());
     ASSERT_TRUE(settings.ok());
     io::State state{.kind = "structure", .mesh_hash = mesh::hash(*m), .time = 0, .step = 0, .arrays = {}};
-    state.add("displacement", {static_cast<std::uint64_t>(m->node_count()), 3},
-              inflated_displacement(settings->canopy, *m));
+    std::vector<double> displacement = inflated_displacement(settings->canopy, *m);
+    for (double& u : displacement) u *= factor;
+    state.add("displacement", {static_cast<std::uint64_t>(m->node_count()), 3}, std::move(displacement));
     ASSERT_TRUE(io::write_state(folder_ / "inflated.state", state).ok());
   }
   [[nodiscard]] int run(const std::string& arguments, const char* program = "parachute_mesher") const {
@@ -138,6 +139,38 @@ TEST_F(Commands, FluidNeedsTheStructureFirst) {
   EXPECT_EQ(run("fluid parachute.textproto"), 2);
   EXPECT_NE(contents(folder_ / "err.txt").find("structure.msh"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "fluid.msh"));
+}
+
+TEST_F(Commands, FluidNamesTheTrianglesWhereTheCanopyCrossesItself) {
+  prepare_structure(0); // the flat pattern, in which the skirt lies on the disk
+  EXPECT_EQ(run("fluid parachute.textproto"), 3);
+  const std::string text = contents(folder_ / "err.txt");
+  EXPECT_NE(text.find("crosses or touches itself: its triangle "), std::string::npos) << text;
+  EXPECT_FALSE(fs::exists(folder_ / "fluid.msh"));
+}
+
+TEST_F(Commands, InfoDescribesABadMeshAndFails) {
+  // Two tetrahedra in a box of two; the second is inverted.
+  mesh::Mesh m;
+  m.points = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+  m.blocks = {{"wall", mesh::ElementKind::tri3, {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 4, 2, 3, 4, 3, 1, 4}},
+              {"fluid", mesh::ElementKind::tet4, {0, 1, 2, 3, 1, 2, 3, 4}}};
+  ASSERT_TRUE(mesh::write_msh(folder_ / "good.msh", m).ok());
+  EXPECT_EQ(run("info good.msh"), 0) << contents(folder_ / "err.txt");
+  EXPECT_NE(contents(folder_ / "out.txt").find("smallest dihedral angle"), std::string::npos);
+  std::swap(m.blocks[1].nodes[4], m.blocks[1].nodes[5]);
+  ASSERT_TRUE(mesh::write_msh(folder_ / "inverted.msh", m).ok());
+  EXPECT_EQ(run("info inverted.msh"), 3);
+  EXPECT_NE(contents(folder_ / "err.txt").find("the first is the tetrahedron of the nodes 2, 1, 3, 4"),
+            std::string::npos)
+      << contents(folder_ / "err.txt");
+  EXPECT_NE(contents(folder_ / "out.txt").find("fluid "), std::string::npos);
+  std::swap(m.blocks[1].nodes[4], m.blocks[1].nodes[5]);
+  m.points.insert(m.points.end(), {5, 5, 5}); // no element uses it
+  ASSERT_TRUE(mesh::write_msh(folder_ / "orphan.msh", m).ok());
+  EXPECT_EQ(run("info orphan.msh"), 2);
+  EXPECT_NE(contents(folder_ / "err.txt").find("the first is node 6"), std::string::npos)
+      << contents(folder_ / "err.txt");
 }
 
 TEST_F(Commands, FluidRefusesTheStateOfAnotherMesh) {

@@ -59,7 +59,8 @@ double half_angle(double ratio) {
   return 0.5 * (low + high);
 }
 
-std::array<double, 3> inflated_position(const Canopy& canopy, const Meridian& curve, double s, double theta) {
+std::array<double, 3> inflated_position(const Canopy& canopy, const Meridian& curve, double s, double theta,
+                                        double fullness) {
   const double phi = curve.phi(s), alpha = pi / canopy.gores;
   const double r = curve.a() * std::sin(phi), z = curve.b() * std::cos(phi);
   const double dr = curve.a() * std::cos(phi), dz = -curve.b() * std::sin(phi), norm = std::hypot(dr, dz);
@@ -67,7 +68,7 @@ std::array<double, 3> inflated_position(const Canopy& canopy, const Meridian& cu
   const double gore = std::floor((theta - alpha) / (2 * alpha));
   const double t = (theta - alpha) / alpha - 2 * gore - 1;
   const double half_chord = r * std::sin(alpha);
-  const double ratio = 1 + 0.35 * std::max(canopy.radius(s) * alpha / half_chord - 1, 1e-9);
+  const double ratio = 1 + fullness * std::max(canopy.radius(s) * alpha / half_chord - 1, 1e-9);
   const double half = half_angle(ratio), radius = half_chord / std::sin(half);
   const double across = radius * std::sin(half * t);
   const double bulge = radius * (std::cos(half * t) - std::cos(half));
@@ -79,7 +80,8 @@ std::array<double, 3> inflated_position(const Canopy& canopy, const Meridian& cu
 
 } // namespace
 
-std::vector<double> inflated_displacement(const Canopy& canopy, const mesh::Mesh& structure) {
+std::vector<double> inflated_displacement(const Canopy& canopy, const mesh::Mesh& structure,
+                                          double fullness) {
   std::vector<double> displacement(structure.points.size(), 0);
   const Meridian curve = meridian(canopy);
   const std::vector<double>& material = structure.node_fields.at("material").values;
@@ -87,7 +89,7 @@ std::vector<double> inflated_displacement(const Canopy& canopy, const mesh::Mesh
     const std::size_t i = 3 * static_cast<std::size_t>(node);
     const double s = std::hypot(material[i], material[i + 1]);
     const double theta = std::atan2(material[i + 1], material[i]);
-    const auto x = inflated_position(canopy, curve, s, theta);
+    const auto x = inflated_position(canopy, curve, s, theta, fullness);
     for (std::size_t k = 0; k < 3; ++k) displacement[i + k] = x[k] - structure.points[i + k];
   }
   return displacement;

@@ -32,26 +32,36 @@ inline constexpr T10FluidSize t10_fluid_large{"500k",
     0.23, 0.46};
 // clang-format on
 
-[[nodiscard]] inline Result<mesh::Mesh> t10_fluid_mesh(const T10FluidSize& size) {
+/// @param fullness see inflated_displacement()
+[[nodiscard]] inline Result<parachute::CanopySurface> t10_surface(const T10FluidSize& size,
+                                                                  double fullness = 0.35) {
   const mesh::Mesh structure = t10_mesh(false);
-  const parachute::ClothRows rows = parachute::cloth_rows(t10_canopy, size.canopy);
-  const auto surface = parachute::inflated_canopy(t10_canopy, rows, structure,
-                                                  parachute::inflated_displacement(t10_canopy, structure));
+  return parachute::inflated_canopy(t10_canopy, parachute::cloth_rows(t10_canopy, size.canopy), structure,
+                                    parachute::inflated_displacement(t10_canopy, structure, fullness));
+}
+
+[[nodiscard]] inline Result<parachute::FluidMeshResult>
+t10_fluid_mesh(const T10FluidSize& size, const parachute::CanopySurface& surface) {
+  return parachute::fluid_mesh(t10_canopy,
+                               {.file = {},
+                                .structure_mesh = {},
+                                .structure_state = {},
+                                .rows = parachute::cloth_rows(t10_canopy, size.canopy),
+                                .half_width = 105,
+                                .upstream = 105,
+                                .downstream = 175,
+                                .canopy_size = size.canopy_size,
+                                .largest_size = 32,
+                                .growth = 0.15,
+                                .wake_size = size.wake_size,
+                                .wake_length = 56},
+                               surface);
+}
+
+[[nodiscard]] inline Result<mesh::Mesh> t10_fluid_mesh(const T10FluidSize& size) {
+  const auto surface = t10_surface(size);
   if (!surface) return surface.error();
-  auto made = parachute::fluid_mesh(t10_canopy,
-                                    {.file = {},
-                                     .structure_mesh = {},
-                                     .structure_state = {},
-                                     .rows = rows,
-                                     .half_width = 105,
-                                     .upstream = 105,
-                                     .downstream = 175,
-                                     .canopy_size = size.canopy_size,
-                                     .largest_size = 32,
-                                     .growth = 0.15,
-                                     .wake_size = size.wake_size,
-                                     .wake_length = 56},
-                                    *surface);
+  auto made = t10_fluid_mesh(size, *surface);
   if (!made) return made.error();
   return std::move(made->mesh);
 }
