@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Config texts: the first byte picks the schema, the rest is the text. What is not reported as an error can
 // be used.
-#include <spdlog/spdlog.h>
 
 #include "common/config/config.hpp"
 #include "common/config/expression.hpp"

@@ -25,8 +25,8 @@ constexpr auto interrupt_interval = std::chrono::milliseconds(100);
 /// How long a solver that is in the middle of its work may go on after the coupler is gone.
 constexpr auto grace_without_coupler = std::chrono::seconds(10);
 constexpr int last_answer_linger = 2000; // ms
-/// Of the sockets between processes of one machine, as far as the system allows: the default of 200 KB makes a large
-/// array change hands hundreds of times [bytes].
+/// Of the sockets between processes of one machine, as far as the system allows: the default of 200 KB makes
+/// a large array change hands hundreds of times [bytes].
 constexpr int local_buffer = 4 << 20;
 constexpr auto send_deadline = std::chrono::seconds(30);
 
