@@ -285,6 +285,25 @@ TEST(Oscillator, AnInconsistentPairOfRateAndLoadIsRefused) {
   EXPECT_NE(read_text(folder / "output.txt").find("MESH_RATE"), std::string::npos);
 }
 
+/// What does not fit is refused before the first step, and named; what is not a number ends the run.
+TEST(Oscillator, MistakesOfTheParticipantsAreNamed) {
+  const auto output_of = [](const OscillatorCase& c, int status) {
+    const auto folder = fresh_folder("mistake");
+    EXPECT_EQ(run_coupler(write_case(folder, c)), status);
+    return read_text(folder / "output.txt");
+  };
+  const std::string apart = output_of({.structure_arguments = "--mistake apart"}, 2);
+  EXPECT_NE(apart.find("largest_gap"), std::string::npos) << apart;
+  const std::string quantity = output_of({.structure_arguments = "--mistake quantity"}, 2);
+  EXPECT_NE(
+      quantity.find("structure: input \"force\" is declared as TRACTION at INTERFACE_NODES, 3 components, "
+                    "END_OF_STEP; the coupler has FORCE"),
+      std::string::npos)
+      << quantity;
+  const std::string nan = output_of({.fluid_arguments = "--mistake nan"}, 3);
+  EXPECT_NE(nan.find("output \"pressure\" is not finite at node 3, component 0"), std::string::npos) << nan;
+}
+
 /// A solver that knows `check FILE` and nothing else of us: no option, no DROGUE_PARTICIPANT.
 TEST(Check, RunsAForeignSolversCheckAsTheLaunchWould) {
   const auto folder = fresh_folder("foreign");

@@ -11,6 +11,7 @@
 // usage: oscillator_participant ROLE [--delay SECONDS] [--refuse-steps-above DT] [--refuse-step N]
 //                               [--second-rank yes]                           [--velocity V]
 //                               [--fixed-residual R] [--checkpoints no] [--rolls-back no] [--plane yes]
+//                               [--mistake apart|quantity|nan]
 //                               [--fault KIND --at REQUEST] --connect ENDPOINT
 //                               (tests/support/faulty_solver.hpp)
 #include <chrono>
@@ -46,6 +47,7 @@ struct Options {
   double fixed_residual = -1;
   bool checkpoints = true, rolls_back = true; ///< whether it can
   bool plane = false;
+  std::string mistake;
   std::vector<std::int64_t> pids; ///< this process and its second rank; empty without one
   test::Fault fault;
 };
@@ -93,6 +95,8 @@ class Plate : public Solver {
         across_(options_.plane ? 1 : 2) {}
   Result<void> configure(const RunInfo&) override { return {}; }
   Result<InterfaceMesh> initialize() override {
+    if (options_.mistake == "apart")
+      for (std::size_t i = 0; i < mesh_.points.size(); i += 3) mesh_.points[i] += 10;
     std::printf("plate of %zu nodes ready\n", static_cast<std::size_t>(mesh_.mesh_node_count));
     std::fflush(stdout);
     return mesh_;
@@ -169,7 +173,8 @@ class Structure : public Plate {
   }
   Description describe() override {
     Description d = described("oscillator structure");
-    d.inputs = {field("force", C::FORCE, C::INTERFACE_NODES, 3)};
+    d.inputs = {
+        field("force", options_.mistake == "quantity" ? C::TRACTION : C::FORCE, C::INTERFACE_NODES, 3)};
     d.outputs = {field("displacement", C::DISPLACEMENT, C::INTERFACE_NODES, 3),
                  field("velocity", C::VELOCITY, C::INTERFACE_NODES, 3)};
     return d;
@@ -215,6 +220,7 @@ class Fluid : public Plate {
       p.values[i] = -added_mass * (2 * (v[3 * i + across_] - n_.v) / dt_ - n_.a);
     now_.v = v[across_];
     now_.a = 2 * (now_.v - n_.v) / dt_ - n_.a;
+    if (options_.mistake == "nan") p.values[3] = std::nan("");
     out["pressure"] = std::move(p);
     return IterationReport{1, 0, true};
   }
@@ -259,6 +265,7 @@ int main(int argc, char** argv) {
     if (name == "--refuse-step") options.refused_step = std::strtoull(argv[i + 1], nullptr, 10);
     if (name == "--checkpoints") options.checkpoints = std::string(argv[i + 1]) == "yes";
     if (name == "--rolls-back") options.rolls_back = std::string(argv[i + 1]) == "yes";
+    if (name == "--mistake") options.mistake = argv[i + 1];
     if (name == "--plane") options.plane = std::string(argv[i + 1]) == "yes";
     if (name == "--velocity") options.velocity = std::atof(argv[i + 1]);
     if (name == "--fixed-residual") options.fixed_residual = std::atof(argv[i + 1]);
