@@ -73,6 +73,14 @@ TEST(ConformSolvers, MeshMover) {
   expect_conform(folder_of_a_case("mesh_mover"), {"mesh_mover", "run", "mesh.textproto"});
 }
 
+TEST(ConformSolvers, MeshMoverOnTwoRanks) {
+  const fs::path folder = folder_of_a_case("mesh_mover_ranks");
+  std::ofstream(folder / "mesh.textproto", std::ios::app)
+      << "linear_solver: ITERATIVE\n"; // direct factors are not shared
+  expect_conform(folder, {"mpiexec", "--oversubscribe", "--bind-to", "none", "-n", "2",
+                          DROGUE_BIN_DIR "/mesh_mover", "run", "mesh.textproto"});
+}
+
 TEST(ConformSolvers, ExampleMeshMoverInPython) {
   expect_conform(folder_of_a_case("python"),
                  {DROGUE_PYTHON, DROGUE_SOURCE_DIR "/examples/python_mesh_mover/mesh_mover.py", "--mesh",
