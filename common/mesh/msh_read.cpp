@@ -259,17 +259,34 @@ class Reader {
   std::set<DimTag> grouped_;
 };
 
+/// A file that does not begin as a mesh does Gmsh takes for a script, and runs it; a section without an end
+/// it reads beyond the end.
+Result<void> check_sections(const std::filesystem::path& file, std::istream& stream) {
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (text.rfind("$MeshFormat", 0) != 0)
+    return config_error("{}: it does not begin with $MeshFormat: no mesh file", file.string());
+  for (std::size_t at = 0; at != std::string::npos;) {
+    const std::size_t name_end = text.find_first_of("\r\n \t", at);
+    const std::string name = text.substr(at + 1, std::min(name_end, text.size()) - at - 1);
+    const std::size_t end = text.find("\n$End" + name, at);
+    if (name.empty() || end == std::string::npos)
+      return config_error("{}: the section ${} has no $End{}", file.string(), name, name);
+    const std::size_t next = text.find_first_not_of("\r\n \t", text.find('\n', end + 1));
+    if (next != std::string::npos && text[next] != '$')
+      return config_error("{}: after $End{} another section must begin", file.string(), name);
+    at = next;
+  }
+  return {};
+}
+
 } // namespace
 
 Result<Mesh> read_msh(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file))
     return config_error("{}: there is no such file", file.string());
-  std::ifstream stream(file);
+  std::ifstream stream(file, std::ios::binary);
   if (!stream) return config_error("{}: the file cannot be read", file.string());
-  // Gmsh takes a file that does not begin as one of its formats do for a script, and runs it.
-  std::string first;
-  if (file.extension() == ".msh" && !(stream >> first && first == "$MeshFormat"))
-    return config_error("{}: it does not begin with $MeshFormat: no mesh file", file.string());
+  if (file.extension() == ".msh") DROGUE_TRY(check_sections(file, stream));
   const GmshSession session;
   try {
     return Reader(file, session).read();

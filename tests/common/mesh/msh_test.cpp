@@ -157,6 +157,21 @@ TEST(Msh, RefusesToWriteWhatCannotBeRead) {
   EXPECT_FALSE(std::filesystem::exists(temporary("refused.msh")));
 }
 
+/// Gmsh would take the first for a script, and read the others beyond their end.
+TEST(Msh, RefusesFilesThatAreNoMesh) {
+  const auto read = [](const std::string& text) {
+    const auto file = temporary("no_mesh.msh");
+    std::ofstream(file, std::ios::binary) << text;
+    const auto mesh = read_msh(file);
+    return mesh ? std::string() : mesh.error().message;
+  };
+  EXPECT_THAT(read("SystemCall \"true\";"), HasSubstr("does not begin with $MeshFormat"));
+  EXPECT_THAT(read("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n0 0 0 0\n"),
+              HasSubstr("the section $Nodes has no $EndNodes"));
+  EXPECT_THAT(read("$MeshFormat\n4.1 0 8\n$EndMeshFormat\nPoint(1) = {0, 0, 0};\n"),
+              HasSubstr("after $EndMeshFormat another section must begin"));
+}
+
 TEST(Msh, ReadsFromSeveralThreads) {
   const auto file = temporary("threads.msh");
   ASSERT_TRUE(write_msh(file, test::every_kind()).ok());
