@@ -68,6 +68,17 @@ Result<void> add_files(const fs::path& folder, v1::CheckpointManifest& manifest)
   return {};
 }
 
+Result<void> put_mesh(const MeshFile& mesh, const fs::path& run_directory,
+                      v1::CheckpointManifest::MeshFile& to) {
+  const auto text = content(mesh.path);
+  if (!text) return internal_error("{}", text.error().message);
+  to.set_path(mesh.path.lexically_relative(run_directory).generic_string());
+  to.set_mesh_hash(mesh.mesh_hash);
+  to.set_size(text->size());
+  to.set_crc32(checksum(*text));
+  return bring_to_disk(mesh.path);
+}
+
 void put(const Input& input, v1::CheckpointManifest::Input& to) {
   to.set_path(input.path.string());
   to.set_hash(input.hash);
@@ -89,7 +100,9 @@ Result<v1::CheckpointManifest> parse(const fs::path& file) {
   return manifest;
 }
 
-Result<void> check_file(const fs::path& folder, const v1::CheckpointManifest::File& file) {
+/// Of the checkpoint, or a mesh of the run.
+template <class File>
+Result<void> check_file(const fs::path& folder, const File& file) {
   const fs::path inside = fs::path(file.path()).lexically_normal();
   if (inside.empty() || inside.is_absolute() || *inside.begin() == "..")
     return config_error("{}: the manifest names \"{}\", which is no file of the checkpoint", folder.string(),
@@ -152,6 +165,7 @@ Result<void> CheckpointStore::complete(const Manifest& manifest) const {
   m.set_time(manifest.time);
   put(manifest.case_file, *m.mutable_case_file());
   for (const Input& input : manifest.inputs) put(input, *m.add_input());
+  if (manifest.mesh) DROGUE_TRY(put_mesh(*manifest.mesh, root_.parent_path(), *m.mutable_mesh()));
   DROGUE_TRY(add_files(folder(manifest.step), m));
   DROGUE_TRY(bring_to_disk(folder(manifest.step)));
   std::string text;
@@ -167,6 +181,10 @@ Result<Manifest> CheckpointStore::read(std::uint64_t step) const {
     return config_error("{} is of step {}", (folder(step) / manifest_file).string(), m->step());
   for (const auto& file : m->file()) DROGUE_TRY(check_file(folder(step), file));
   Manifest manifest{m->step(), m->time(), {m->case_file().path(), m->case_file().hash()}, {}};
+  if (m->has_mesh()) {
+    DROGUE_TRY(check_file(root_.parent_path(), m->mesh()));
+    manifest.mesh = {root_.parent_path() / m->mesh().path(), m->mesh().mesh_hash()};
+  }
   for (const auto& input : m->input()) manifest.inputs.push_back({input.path(), input.hash()});
   return manifest;
 }

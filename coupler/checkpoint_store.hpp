@@ -18,12 +18,19 @@ struct Input {
   bool operator==(const Input&) const = default;
 };
 
+/// A mesh that has taken the place of another one.
+struct MeshFile {
+  std::filesystem::path path; ///< absolute
+  std::string mesh_hash;
+};
+
 /// What a manifest says, see proto/drogue/v1/checkpoint.proto.
 struct Manifest {
   std::uint64_t step = 0;
   double time = 0;
   Input case_file;
   std::vector<Input> inputs;
+  std::optional<MeshFile> mesh = {}; ///< in the place of the configs' mesh
 };
 
 /// The folder of a run's checkpoints: RUN/checkpoints/STEP with a folder for each participant, the coupler's

@@ -69,7 +69,8 @@ Result<void> Checkpoints::write(std::uint64_t step, double time) {
   if (!folder) return folder.error();
   DROGUE_TRY(participants_.checkpoint({step}, *folder));
   DROGUE_TRY(write_own(*folder, step, time));
-  DROGUE_TRY(store_.complete({step, time, {settings_.file, settings_.hash}, inputs_}));
+  DROGUE_TRY(store_.complete(
+      {step, time, {settings_.file, settings_.hash}, inputs_, participants_.replaced_mesh()}));
   store_.prune(settings_.checkpoints.keep);
   last_step_ = step;
   last_time_ = time;
@@ -93,6 +94,12 @@ Result<void> Checkpoints::restore(std::uint64_t step) {
   if (state->kind != state_kind || state->mesh_hash != interface_hash(participants_))
     return config_error("{} does not belong to the structure's interface: its mesh or its start has changed",
                         (folder / state_file).string());
+  const auto manifest = store_.read(step);
+  if (!manifest) return manifest.error();
+  if (manifest->mesh) {
+    const auto change = participants_.replace_mesh({step}, *manifest->mesh, true);
+    if (!change) return change.error();
+  }
   DROGUE_TRY(participants_.restore({step}, folder));
   DROGUE_TRY(loop_.load(*state));
   DROGUE_TRY(results_.restore_positions(folder / positions_file));

@@ -63,6 +63,8 @@ void summarise(const LoopTotals& totals, Participants& participants, double seco
       totals.steps, totals.parts > totals.steps ? fmt::format(" (done in {} parts)", totals.parts) : "",
       totals.iterations, static_cast<double>(totals.iterations) / std::max(totals.steps, 1),
       totals.most_iterations, totals.unconverged, totals.retries);
+  if (totals.new_meshes > 0)
+    spdlog::info("the fluid's mesh was replaced {} times: remesh.csv", totals.new_meshes);
   if (totals.dropped_columns > 0)
     spdlog::info("acceleration: {:.1f} secants an iteration on average, {:.1f} more left out by the filter",
                  totals.used_columns / std::max(totals.iterations, 1),

@@ -14,6 +14,13 @@ class RunningMoments {
  public:
   /// Counts `values` with the weight `dt`. The first call fixes their number.
   void add(double dt, std::span<const double> values);
+  /// Replaces the values' mean and squares, {...} to {...}, when their places change.
+  template <class Map>
+  void map(Map&& function) {
+    if (empty()) return;
+    mean_ = function(mean_);
+    squares_ = function(squares_);
+  }
   [[nodiscard]] bool empty() const { return weight_ == 0; }
   /// Time counted so far.
   [[nodiscard]] double weight() const { return weight_; }

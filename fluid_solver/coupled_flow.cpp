@@ -30,10 +30,15 @@ void broadcast(Order& order) {
   la::broadcast_passively(order.text.data(), length);
 }
 
-CoupledFlow::CoupledFlow(const Case& input) : input_(input), run_(input) {
-  const auto boundaries = boundary_indices(input.mesh, input.settings.interface);
-  for (const std::int32_t node : input.mesh.nodes_of(boundaries))
-    interface_file_nodes_.push_back(input.mesh.to_file[at(node)]);
+CoupledFlow::CoupledFlow(Case& input) : input_(input), run_(input) {
+  find_interface();
+}
+
+void CoupledFlow::find_interface() {
+  interface_file_nodes_.clear();
+  const auto boundaries = boundary_indices(input_.mesh, input_.settings.interface);
+  for (const std::int32_t node : input_.mesh.nodes_of(boundaries))
+    interface_file_nodes_.push_back(input_.mesh.to_file[at(node)]);
   std::sort(interface_file_nodes_.begin(), interface_file_nodes_.end());
 }
 
@@ -63,6 +68,8 @@ Result<void> CoupledFlow::execute(const Order& order) {
     return run_.save_positions(std::filesystem::path(order.text) / positions_file);
   case Order::Kind::restore:
     return restore(order.text);
+  case Order::Kind::replace_mesh:
+    return replace_mesh(order);
   case Order::Kind::stop:
     return advanced_ ? run_.write_last_fields() : Result<void>();
   }
@@ -76,6 +83,17 @@ Result<void> CoupledFlow::initialize() {
     return config_error(
         "the initial state lives on a moved mesh; a coupled run starts from the mesh file's positions, as "
         "the mesh mover does");
+  return {};
+}
+
+Result<void> CoupledFlow::replace_mesh(const Order& order) {
+  const auto end = order.text.find('\n');
+  auto defects =
+      run_.replace_mesh(order.text.substr(end + 1), order.text.substr(0, end), order.numbers[0] != 0);
+  if (!defects) return defects.error();
+  defects_ = *defects;
+  find_interface();
+  base_points_ = input_.mesh.points;
   return {};
 }
 

@@ -22,13 +22,14 @@ struct Order {
     rollback,
     checkpoint,
     restore,
+    replace_mesh,
     stop
   };
   Kind kind = Kind::stop;
   /// configure: 1 or 0 (resume). begin_step: time, dt, step. iterate: 1 or 0 (velocity_start given), mesh
-  /// displacement, velocity, velocity_start. commit: 1 or 0 (write fields).
+  /// displacement, velocity, velocity_start. commit: 1 or 0 (write fields). replace_mesh: 1 or 0 (restoring).
   std::vector<double> numbers;
-  std::string text; ///< a directory
+  std::string text; ///< a directory; replace_mesh: the mesh's hash, a line break, its file
 };
 
 /// Rank 0's order on every rank; the others wait asleep. @note Collective
@@ -37,17 +38,20 @@ void broadcast(Order& order);
 /// The flow in a coupled run. Every rank executes the same orders.
 class CoupledFlow {
  public:
-  explicit CoupledFlow(const Case& input);
+  /// `input` must outlive this; its mesh may be replaced.
+  explicit CoupledFlow(Case& input);
 
   /// Errors: as FlowRun and FlowSolver. @note Collective
   [[nodiscard]] Result<void> execute(const Order& order);
 
   [[nodiscard]] const NewtonReport& last_report() const { return report_; }
+  /// Of the last replace_mesh.
+  [[nodiscard]] const TransferDefects& last_defects() const { return defects_; }
   /// Interface nodes in the mesh file's numbers, ascending; all interface fields follow this order.
   [[nodiscard]] const std::vector<std::int32_t>& interface_file_nodes() const {
     return interface_file_nodes_;
   }
-  /// Positions at Initialize, mesh file's order.
+  /// Positions at Initialize, or in the mesh that has replaced the first, mesh file's order.
   [[nodiscard]] std::vector<double> initial_points() const {
     return input_.mesh.reordered_to_file(base_points_, 3);
   }
@@ -66,11 +70,15 @@ class CoupledFlow {
                                                      const std::vector<double>& p,
                                                      const std::vector<double>& forces) const;
 
-  const Case& input_;
+  void find_interface();
+  [[nodiscard]] Result<void> replace_mesh(const Order& order);
+
+  Case& input_;
   FlowRun run_;
   std::vector<std::int32_t> interface_file_nodes_;
   std::vector<double> base_points_; ///< solver's order
   NewtonReport report_;
+  TransferDefects defects_;
   std::vector<double> forces_, mean_forces_; ///< nodal, of the last iterate, for the consistent traction
   bool resume_ = false;
   bool advanced_ = false; ///< a step was committed, or restored: there is something to write at the end

@@ -22,6 +22,12 @@ FieldFiles::FieldFiles(const Settings& settings, const FluidMesh& mesh,
   choose_cells();
 }
 
+void FieldFiles::take_mesh() {
+  nodes_.clear();
+  blocks_.clear();
+  choose_cells();
+}
+
 void FieldFiles::choose_cells() {
   const la::RowRange own = la::partition_rows(mesh_->graph, la::rank_count())[at(la::rank())];
   std::vector<std::int32_t> number(at(mesh_->node_count()), -1); // of a node of the file in the piece

@@ -24,6 +24,8 @@ class FieldFiles {
   /// Fields, when the step is due or `force` is set; never twice for a step, never with field_interval 0.
   /// Errors: a file cannot be written. @note Collective
   [[nodiscard]] Result<void> write(const FlowState& state, const FieldAverages& averages, bool force);
+  /// The mesh has been replaced by another one.
+  void take_mesh();
   /// Kept by rank 0.
   [[nodiscard]] io::PvdCollection& collection() { return collection_; }
 

@@ -8,6 +8,8 @@
 namespace drogue::fluid {
 namespace {
 
+constexpr const char* probe_array = "probe_positions";
+
 void check_participant(const Settings& s, config::Report& report) {
   if (s.phases.size() > 1)
     report.error(s.source.where("phase[1]"),
@@ -24,6 +26,10 @@ void check_participant(const Settings& s, config::Report& report) {
   if (s.interface.empty())
     report.error(s.source.where("interface"),
                  "a participant needs interface: the boundaries that the structure moves");
+  if (s.remesh)
+    report.error(
+        s.source.where("remesh"),
+        "remesh is ignored by a participant, whose mesh the mesh mover judges: give it to the mesh mover");
   if (s.final_state)
     report.error(s.source.where("final_state"),
                  "final_state is ignored by a participant, whose states the coupler keeps: leave it out");
@@ -51,7 +57,9 @@ Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file, Role 
   }
   input->mesh = std::move(*made);
   check_against_mesh(s, input->mesh, report);
-  if (const auto probes = Probes::create(s, input->mesh); !probes)
+  if (s.remesh && input->mesh.dimension == 2)
+    report.error(s.source.where("remesh"), "the mesh is two-dimensional: only tetrahedra are meshed anew");
+  if (const auto probes = Probes::create(s.probes, input->mesh); !probes)
     report.error(s.source.where("probe"), probes.error().message);
   if (!report.ok()) return report.as_error();
   return input;
@@ -62,14 +70,14 @@ Result<void> FlowRun::start() {
   if (file) {
     const auto state = io::read_state(*file);
     if (!state) return state.error();
-    if (const auto done = solver_.import_state(*state); !done)
+    if (const auto done = solver_->import_state(*state); !done)
       return config_error("{}: {}", file->string(), done.error().message);
   }
-  return input_.settings.project_initial_flow ? solver_.project_velocity() : Result<void>();
+  return input_.settings.project_initial_flow ? solver_->project_velocity() : Result<void>();
 }
 
 Result<void> FlowRun::import_state(const io::State& file) {
-  DROGUE_TRY(solver_.import_state(file));
+  DROGUE_TRY(solver_->import_state(file));
   const auto by_nodes = [&](int components) {
     return [this, components](std::span<const double> v) {
       return input_.mesh.reordered_from_file(v, components);
@@ -78,12 +86,17 @@ Result<void> FlowRun::import_state(const io::State& file) {
   averages_.velocity.load("velocity", file, by_nodes(3));
   averages_.pressure.load("pressure", file, by_nodes(1));
   averages_.forces.load("forces", file, [](const std::vector<double>& v) { return v; });
-  return {};
+  const io::StateArray* probes = file.find(probe_array);
+  if (probes == nullptr || !results_) return {};
+  probe_positions_.clear();
+  for (std::size_t i = 0; i + 2 < probes->values.size(); i += 3)
+    probe_positions_.push_back({probes->values[i], probes->values[i + 1], probes->values[i + 2]});
+  return results_->place_probes(input_.mesh, probe_positions_);
 }
 
 void FlowRun::average(const StepFigures& figures) {
-  const FlowState& s = solver_.state();
-  const double dt = solver_.step_data().dt;
+  const FlowState& s = solver_->state();
+  const double dt = solver_->step_data().dt;
   const auto from = input_.settings.average_from;
   if (!from || s.time - 0.5 * dt < *from) return;
   averages_.velocity.add(dt, s.u);
@@ -109,7 +122,7 @@ Result<void> FlowRun::open_results(const std::filesystem::path& directory, io::E
 }
 
 Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_tolerance) {
-  const auto newton = solver_.finish();
+  const auto newton = solver_->finish();
   if (!newton) return newton.error();
   if (!newton->converged && newton->residual > failure_tolerance)
     return numerical_error(
@@ -118,15 +131,15 @@ Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_toler
         newton->iterations, newton->residual, newton->worst, failure_tolerance);
   StepFigures figures;
   figures.newton = *newton;
-  figures.forces = surface_forces(input_.settings, input_.mesh, solver_);
-  solver_.commit();
+  figures.forces = surface_forces(input_.settings, input_.mesh, *solver_);
+  solver_->commit();
   average(figures);
   Result<void> written;
   if (results_) {
-    const FlowState& s = solver_.state();
-    figures.cfl = largest_cfl(input_.mesh, s.x, s.u, solver_.step_data().dt);
+    const FlowState& s = solver_->state();
+    figures.cfl = largest_cfl(input_.mesh, s.x, s.u, solver_->step_data().dt);
     std::vector<double> relative = s.u;
-    const StepData& data = solver_.step_data();
+    const StepData& data = solver_->step_data();
     for (std::size_t i = 0; i < relative.size(); ++i) relative[i] -= (data.x_np1[i] - data.x_n[i]) / data.dt;
     figures.mass_imbalance = mass_imbalance(input_.mesh, s.x, relative);
     written = results_->write_series(s, figures);
@@ -134,17 +147,17 @@ Result<StepFigures> FlowRun::finish_step(bool write_fields, double failure_toler
   }
   if (const auto all = la::agree(written); !all) return all.error();
   if (fields_ && write_fields)
-    if (const auto all = fields_->write(solver_.state(), averages_, false); !all) return all.error();
+    if (const auto all = fields_->write(solver_->state(), averages_, false); !all) return all.error();
   return figures;
 }
 
 Result<void> FlowRun::write_last_fields() {
-  return fields_ ? fields_->write(solver_.state(), averages_, true) : Result<void>();
+  return fields_ ? fields_->write(solver_->state(), averages_, true) : Result<void>();
 }
 
 Result<void> FlowRun::write_state(const std::filesystem::path& file) {
   if (la::rank() != 0) return la::agree({});
-  io::State state = solver_.export_state();
+  io::State state = solver_->export_state();
   const auto by_nodes = [&](int components) {
     return [this, components](std::span<const double> v) {
       return input_.mesh.reordered_to_file(v, components);
@@ -153,6 +166,11 @@ Result<void> FlowRun::write_state(const std::filesystem::path& file) {
   averages_.velocity.save("velocity", state, by_nodes(3));
   averages_.pressure.save("pressure", state, by_nodes(1));
   averages_.forces.save("forces", state, [](const std::vector<double>& v) { return v; });
+  if (!probe_positions_.empty()) {
+    std::vector<double> flat;
+    for (const auto& position : probe_positions_) flat.insert(flat.end(), position.begin(), position.end());
+    state.add(probe_array, {probe_positions_.size(), 3}, std::move(flat));
+  }
   return la::agree(io::write_state(file, state));
 }
 

@@ -28,6 +28,9 @@ double largest_norm(std::span<const double> values, std::size_t stride) {
 /// A lagged Jacobian is evaluated anew when an iteration leaves more than this part of the residual.
 constexpr double slow_reduction = 0.3;
 
+/// Newton iterations of a slab of settle, at most.
+constexpr int settling_iterations = 20;
+
 bool uses_two_steps(const Settings& settings) {
   return std::any_of(settings.phases.begin(), settings.phases.end(), [](const PhaseSettings& phase) {
     return phase.formulation == Formulation::semi_discrete && phase.time_order == 2;
@@ -246,6 +249,21 @@ Result<void> FlowSolver::project_velocity() {
   std::vector<double> u = std::move(state_.u);
   state_ = start;
   state_.u = std::move(u);
+  return {};
+}
+
+Result<void> FlowSolver::settle(double dt, int time_points, int slabs) {
+  for (int slab = 0; slab < slabs; ++slab) {
+    DROGUE_TRY(begin_step({.formulation = Formulation::dsd_sst, .time_points = time_points}, dt));
+    const auto report = newton(settling_iterations);
+    if (!report) return report.error();
+    if (!report->converged)
+      return numerical_error(
+          "the flow does not settle on its new mesh: residual {:.1e} of the first after {} iterations",
+          report->residual, report->iterations);
+    state_.u = velocity_np1();
+    state_.p = pressure_np1();
+  }
   return {};
 }
 

@@ -67,6 +67,8 @@ class FlowSolver {
   /// Errors (ErrorKind::config): other kind, other mesh, an array missing or of the wrong size.
   [[nodiscard]] Result<void> import_state(const io::State& file);
 
+  /// Goes on from a state. @pre its arrays fit the mesh
+  void set_state(FlowState state) { state_ = std::move(state); }
   /// Time and number of the committed state, where another clock than the state file's counts.
   void set_clock(double time, std::uint64_t step) {
     state_.time = time;
@@ -77,6 +79,10 @@ class FlowSolver {
   /// boundary conditions at its time: a step too short for anything but the pressure to act. The pressure
   /// stays.
   [[nodiscard]] Result<void> project_velocity();
+  /// Velocity and pressure after some DSD/SST slabs of length dt on the mesh at rest, the walls keeping their
+  /// velocity; time, step and mesh stay. For a flow that was carried over from another mesh: see
+  /// docs/theory.md, "A new mesh". Errors (ErrorKind::numerical): a slab does not converge.
+  [[nodiscard]] Result<void> settle(double dt, int time_points, int slabs);
   [[nodiscard]] Result<void> begin_step(const StepScheme& scheme, double dt);
   /// Mesh at t_{n+1}; wall velocities at t_n^+ and t_{n+1}^-; all {n, 3}, read at walls. Not called:
   /// mesh and walls stay at rest. Errors (retryable): an inverted element.

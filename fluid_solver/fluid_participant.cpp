@@ -39,6 +39,7 @@ participant::Description FluidParticipant::describe() {
   participant::Description d;
   d.software = "fluid_solver 0.1.0";
   d.can_rollback = d.can_checkpoint = d.variable_step = true;
+  d.can_replace_mesh = input_.mesh.dimension == 3;
   using participant::field;
   d.inputs = {field("mesh_displacement", FieldContract::DISPLACEMENT, FieldContract::MESH_NODES, 3),
               field("velocity", FieldContract::VELOCITY, FieldContract::INTERFACE_NODES, 3),
@@ -123,6 +124,21 @@ Result<void> FluidParticipant::commit(bool write_output) {
 Result<void> FluidParticipant::rollback() {
   return order(Order::Kind::rollback);
 }
+Result<participant::ReplacedMesh> FluidParticipant::replace_mesh(const participant::NewMesh& mesh,
+                                                                 bool restoring) {
+  participant::report_progress("changing the mesh");
+  DROGUE_TRY(
+      order(Order::Kind::replace_mesh, {restoring ? 1.0 : 0.0}, mesh.mesh_hash + "\n" + mesh.file.string()));
+  const std::vector<std::int32_t>& nodes = flow_.interface_file_nodes();
+  const TransferDefects& defects = flow_.last_defects();
+  return participant::ReplacedMesh{{nodes.begin(), nodes.end()},
+                                   at(input_.mesh.node_count()),
+                                   input_.mesh.hash,
+                                   defects.mass,
+                                   defects.momentum,
+                                   defects.energy};
+}
+
 Result<void> FluidParticipant::checkpoint(const std::filesystem::path& directory) {
   return order(Order::Kind::checkpoint, {}, directory.string());
 }
@@ -130,7 +146,7 @@ Result<void> FluidParticipant::restore(const std::filesystem::path& directory) {
   return order(Order::Kind::restore, {}, directory.string());
 }
 
-Result<void> serve_flow(const Case& input, const std::string& endpoint) {
+Result<void> serve_flow(Case& input, const std::string& endpoint) {
   CoupledFlow flow(input);
   auto pids = la::process_ids();
   Order order;

@@ -21,6 +21,8 @@ class FluidParticipant final : public participant::Solver {
                                                              participant::Fields& outputs) override;
   [[nodiscard]] Result<void> commit(bool write_output) override;
   [[nodiscard]] Result<void> rollback() override;
+  [[nodiscard]] Result<participant::ReplacedMesh> replace_mesh(const participant::NewMesh& mesh,
+                                                               bool restoring) override;
   [[nodiscard]] Result<void> checkpoint(const std::filesystem::path& directory) override;
   [[nodiscard]] Result<void> restore(const std::filesystem::path& directory) override;
 
@@ -33,6 +35,6 @@ class FluidParticipant final : public participant::Solver {
 };
 
 /// Serves the coupler: rank 0 talks, the others follow its orders until it stops. @note Collective
-[[nodiscard]] Result<void> serve_flow(const Case& input, const std::string& endpoint);
+[[nodiscard]] Result<void> serve_flow(Case& input, const std::string& endpoint);
 
 } // namespace drogue::fluid

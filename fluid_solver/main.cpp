@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "common/la_krylov/session.hpp"
+#include "common/meshing/remesh.hpp"
 #include "common/program/solver_program.hpp"
 #include "fluid_solver/program.hpp"
 
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
                              .description = "Incompressible flow on tetrahedra, semi-discrete and DSD/SST",
                              .check = check,
                              .run = run,
+                             .remesh = meshing::remesh_file,
                              .speaks = [&] { return !session || la::rank() == 0; }},
                             argc, argv);
 }

@@ -6,9 +6,9 @@
 
 namespace drogue::fluid {
 
-Result<Probes> Probes::create(const Settings& settings, const FluidMesh& mesh) {
+Result<Probes> Probes::create(const std::vector<ProbeSettings>& wanted, const FluidMesh& mesh) {
   Probes probes;
-  for (const ProbeSettings& probe : settings.probes) {
+  for (const ProbeSettings& probe : wanted) {
     Place best;
     double best_weight = -std::numeric_limits<double>::infinity(); // smallest barycentric weight
     for (std::int32_t e = 0; e < mesh.cell_count(); ++e) {
@@ -34,6 +34,17 @@ Result<Probes> Probes::create(const Settings& settings, const FluidMesh& mesh) {
     probes.places_.push_back(best);
   }
   return probes;
+}
+
+std::vector<std::array<double, 3>> Probes::positions(std::span<const double> x) const {
+  std::vector<std::array<double, 3>> out;
+  for (const Place& place : places_) {
+    auto& position = out.emplace_back();
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t d = 0; d < 3; ++d)
+        position[d] += place.weight[a] * x[3 * static_cast<std::size_t>(place.nodes[a]) + d];
+  }
+  return out;
 }
 
 std::vector<double> Probes::values(std::span<const double> u, std::span<const double> p,

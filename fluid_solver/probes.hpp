@@ -16,10 +16,13 @@ class Probes {
  public:
   Probes() = default;
   /// Errors (ErrorKind::config): a point outside the fluid.
-  [[nodiscard]] static Result<Probes> create(const Settings& settings, const FluidMesh& mesh);
+  [[nodiscard]] static Result<Probes> create(const std::vector<ProbeSettings>& wanted, const FluidMesh& mesh);
   /// u_x, u_y, u_z, p of each probe; p {n} multiplied by density.
   [[nodiscard]] std::vector<double> values(std::span<const double> u, std::span<const double> p,
                                            double density) const;
+
+  /// Where they are when the nodes are at x {n, 3}.
+  [[nodiscard]] std::vector<std::array<double, 3>> positions(std::span<const double> x) const;
 
  private:
   struct Place {

@@ -14,9 +14,11 @@ Result<void> check(const std::filesystem::path& file, Role role) {
 }
 
 Result<void> run(const std::filesystem::path& file, const std::string& endpoint) {
-  const auto input = load_case(file, endpoint.empty() ? Role::alone : Role::participant);
+  auto input = load_case(file, endpoint.empty() ? Role::alone : Role::participant);
   if (!input) return input.error();
-  return endpoint.empty() ? run_standalone(**input) : serve_flow(**input, endpoint);
+  if (!endpoint.empty()) return serve_flow(**input, endpoint);
+  std::error_code ignored;
+  return run_standalone(**input, std::filesystem::read_symlink("/proc/self/exe", ignored));
 }
 
 } // namespace drogue::fluid

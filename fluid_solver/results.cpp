@@ -47,7 +47,7 @@ Result<Results> Results::create(const Settings& settings, const FluidMesh& mesh,
   auto forces = io::CsvWriter::create(directory / "forces.csv", force_columns(settings), existing);
   if (!forces) return forces.error();
   results.forces_ = std::move(*forces);
-  auto probes = Probes::create(settings, mesh);
+  auto probes = Probes::create(settings.probes, mesh);
   if (!probes) return probes.error();
   results.probes_ = std::move(*probes);
   if (!settings.probes.empty()) {
@@ -56,6 +56,16 @@ Result<Results> Results::create(const Settings& settings, const FluidMesh& mesh,
     results.probe_series_.emplace(std::move(*series));
   }
   return results;
+}
+
+Result<void> Results::place_probes(const FluidMesh& mesh,
+                                   const std::vector<std::array<double, 3>>& positions) {
+  std::vector<ProbeSettings> moved = settings_->probes;
+  for (std::size_t i = 0; i < std::min(moved.size(), positions.size()); ++i) moved[i].position = positions[i];
+  auto probes = Probes::create(moved, mesh);
+  if (!probes) return probes.error();
+  probes_ = std::move(*probes);
+  return {};
 }
 
 io::ResultFiles Results::files(io::PvdCollection& fields) {

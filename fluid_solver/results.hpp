@@ -36,6 +36,14 @@ class Results {
   /// averages.csv, anew; nothing before the averages start.
   [[nodiscard]] Result<void> write_averages(const FieldAverages& averages) const;
 
+  /// Where the probes are, the nodes being at x {n, 3}; and puts them at places of another mesh.
+  /// Errors (ErrorKind::config): a place outside the fluid.
+  [[nodiscard]] std::vector<std::array<double, 3>> probe_positions(std::span<const double> x) const {
+    return probes_.positions(x);
+  }
+  [[nodiscard]] Result<void> place_probes(const FluidMesh& mesh,
+                                          const std::vector<std::array<double, 3>>& positions);
+
   /// How far the files and the collection of fields are written: noted for a checkpoint, and gone back to.
   [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file, io::PvdCollection& fields);
   [[nodiscard]] Result<void> restore_positions(const std::filesystem::path& file, io::PvdCollection& fields);

@@ -156,6 +156,7 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   if (m.stabilisation().has_tau_step()) s.tau_step = m.stabilisation().tau_step();
   s.body_force = expression(m.body_force());
   load_phases(m, s, report);
+  if (m.has_remesh()) s.remesh = {m.remesh().mean_ratio(), m.remesh().angle()};
   s.newton = {m.newton().residual_tolerance(),  m.newton().max_iterations(),
               m.newton().failure_tolerance(),   m.newton().iterations_per_coupling(),
               m.newton().jacobian_lag(),        m.newton().linearisation() == v1::FluidNewton::PICARD,

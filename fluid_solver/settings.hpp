@@ -54,6 +54,12 @@ struct NewtonSettings {
   int max_halvings = 0;
 };
 
+/// What a mesh must keep, else it is replaced.
+struct RemeshSettings {
+  double mean_ratio = 0;
+  double angle = 0; ///< dihedral [degrees]
+};
+
 struct ForceSettings {
   std::string name;
   std::vector<std::string> boundaries;
@@ -92,6 +98,7 @@ struct Settings {
   bool viscous_residual = false;  ///< recovered viscous force in the stabilisation's residual
   config::VectorExpression body_force;
   std::vector<PhaseSettings> phases;
+  std::optional<RemeshSettings> remesh; ///< stand-alone
   NewtonSettings newton;
   LinearMethod linear_method = LinearMethod::automatic;
   la::KrylovOptions linear;

@@ -11,6 +11,7 @@
 #include "common/base/interrupt.hpp"
 #include "common/base/log.hpp"
 #include "common/la_krylov/session.hpp"
+#include "fluid_solver/flow_remesher.hpp"
 
 namespace drogue::fluid {
 namespace {
@@ -37,14 +38,34 @@ Motion prescribed(const config::VectorExpression& d, std::span<const double> ref
   return m;
 }
 
-Result<void> move_mesh(const PhaseSettings& phase, double dt, const FluidMesh& mesh, FlowSolver& solver) {
+/// Where the nodes started, to which the prescribed motion refers.
+struct Start {
+  std::vector<double> points; ///< {n, 3}
+  /// What the nodes of a mesh that has replaced the first one are away from the prescribed motion of their
+  /// starts, as these are interpolated: zero on the boundary. Empty: not replaced.
+  std::vector<double> offset;
+};
+
+Start start_of_replacement(const FluidMesh& mesh, const std::optional<config::VectorExpression>& motion,
+                           double t) {
+  const std::vector<double> moved =
+      mesh.reordered_from_file(mesh.file.node_fields.at(start_displacement_name).values, 3);
+  Start start{mesh.points, mesh.points};
+  for (std::size_t i = 0; i < moved.size(); ++i) start.points[i] -= moved[i];
+  const Motion now = motion ? prescribed(*motion, start.points, t, 1) : Motion{start.points, {}};
+  for (std::size_t i = 0; i < moved.size(); ++i) start.offset[i] -= now.points[i];
+  return start;
+}
+
+Result<void> move_mesh(const PhaseSettings& phase, double dt, const Start& start, FlowSolver& solver) {
   if (!phase.mesh_displacement) {
-    const std::vector<double> rest(mesh.points.size(), 0.0);
+    const std::vector<double> rest(start.points.size(), 0.0);
     return solver.set_end(solver.state().x, rest, rest);
   }
   const double t = solver.state().time;
-  const Motion begin = prescribed(*phase.mesh_displacement, mesh.points, t, dt);
-  const Motion end = prescribed(*phase.mesh_displacement, mesh.points, t + dt, dt);
+  const Motion begin = prescribed(*phase.mesh_displacement, start.points, t, dt);
+  Motion end = prescribed(*phase.mesh_displacement, start.points, t + dt, dt);
+  for (std::size_t i = 0; i < start.offset.size(); ++i) end.points[i] += start.offset[i];
   return solver.set_end(end.points, begin.velocity, end.velocity);
 }
 
@@ -87,25 +108,26 @@ class Progress {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Result<StepFigures> attempt(const PhaseSettings& phase, double dt, const Case& input, FlowRun& run) {
+Result<StepFigures> attempt(const PhaseSettings& phase, double dt, const Case& input, const Start& start,
+                            FlowRun& run) {
   FlowSolver& solver = run.solver();
   const NewtonSettings& newton = input.settings.newton;
   DROGUE_TRY(solver.begin_step({phase.formulation, phase.time_order, phase.time_points}, dt));
-  DROGUE_TRY(move_mesh(phase, dt, input.mesh, solver));
+  DROGUE_TRY(move_mesh(phase, dt, start, solver));
   if (const auto done = solver.newton(newton.max_iterations); !done) return done.error();
   return run.finish_step(true, newton.failure_tolerance);
 }
 
 /// A step; one that fails numerically is taken in two halves, and these again.
 Result<StepFigures> one_step(const PhaseSettings& phase, double dt, int halvings, const Case& input,
-                             FlowRun& run) {
-  auto done = attempt(phase, dt, input, run);
+                             const Start& start, FlowRun& run) {
+  auto done = attempt(phase, dt, input, start, run);
   if (done || done.error().kind != ErrorKind::numerical || halvings == 0) return done;
   if (la::rank() == 0)
     spdlog::warn("the step to t = {:.6g} failed and is taken in halves: {}", run.solver().state().time + dt,
                  done.error().message);
-  const auto half = one_step(phase, 0.5 * dt, halvings - 1, input, run);
-  return half ? one_step(phase, 0.5 * dt, halvings - 1, input, run) : half;
+  const auto half = one_step(phase, 0.5 * dt, halvings - 1, input, start, run);
+  return half ? one_step(phase, 0.5 * dt, halvings - 1, input, start, run) : half;
 }
 
 /// Largest change of a velocity in a step over the largest speed and the step [1/time].
@@ -120,7 +142,8 @@ double rate_of_change(const std::vector<double>& before, const std::vector<doubl
 }
 
 /// All phases; stops between two steps when a signal has come.
-Result<void> all_steps(const Case& input, FlowRun& run) {
+Result<void> all_steps(const Case& input, FlowRun& run, FlowRemesher& remesher) {
+  Start start{input.mesh.points, {}};
   int steps = 0;
   for (const PhaseSettings& phase : input.settings.phases) steps += phase.steps;
   Progress progress(steps);
@@ -129,7 +152,7 @@ Result<void> all_steps(const Case& input, FlowRun& run) {
     for (int k = 0; k < phase.steps; ++k) {
       const FlowState& state = run.solver().state();
       const std::vector<double> before = state.u;
-      const auto figures = one_step(phase, phase.step, input.settings.newton.max_halvings, input, run);
+      const auto figures = one_step(phase, phase.step, input.settings.newton.max_halvings, input, start, run);
       if (!figures) {
         Error error = figures.error();
         error.message = fmt::format("step {} to t = {:.6g} failed: {}", state.step + 1,
@@ -147,17 +170,22 @@ Result<void> all_steps(const Case& input, FlowRun& run) {
         done += phase.steps - k - 1;
         break;
       }
+      const auto replaced = remesher.after_step(run, start.points);
+      if (!replaced) return replaced.error();
+      if (*replaced)
+        start = start_of_replacement(input.mesh, phase.mesh_displacement, run.solver().state().time);
     }
   return {};
 }
 
 } // namespace
 
-Result<void> run_standalone(const Case& input) {
+Result<void> run_standalone(Case& input, const std::filesystem::path& remesh_program) {
   FlowRun run(input);
+  FlowRemesher remesher(input, remesh_program);
   DROGUE_TRY(run.start());
   DROGUE_TRY(run.open_results(input.settings.output.directory));
-  Result<void> outcome = all_steps(input, run);
+  Result<void> outcome = all_steps(input, run, remesher);
   // What was reached is kept, whatever ended the run.
   DROGUE_TRY(run.write_last_fields());
   if (input.settings.final_state) DROGUE_TRY(run.write_state(*input.settings.final_state));

@@ -9,6 +9,6 @@ namespace drogue::fluid {
 /// Runs the phases one after the other. Errors (ErrorKind::numerical): a step that fails, for instance
 /// because its residual stays above the settings' failure tolerance; interrupted: a signal came. Fields and
 /// final state of the last good step are written in any case. @note Collective
-[[nodiscard]] Result<void> run_standalone(const Case& input);
+[[nodiscard]] Result<void> run_standalone(Case& input, const std::filesystem::path& remesh_program = {});
 
 } // namespace drogue::fluid

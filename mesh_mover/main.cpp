@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "common/meshing/remesh.hpp"
 #include "common/program/solver_program.hpp"
 #include "mesh_mover/program.hpp"
 
@@ -9,6 +10,7 @@ int main(int argc, char** argv) {
                                  "Moves a fluid mesh with its boundaries: an elastic pseudo-solid on "
                                  "tetrahedra or triangles",
                              .check = mesh_mover::check,
-                             .run = mesh_mover::run},
+                             .run = mesh_mover::run,
+                             .remesh = meshing::remesh_file},
                             argc, argv);
 }

@@ -23,8 +23,12 @@ std::vector<double> pick(std::span<const double> values, std::span<const std::in
 
 } // namespace
 
-MeshParticipant::MeshParticipant(Case input, std::vector<std::int64_t> pids)
-    : settings_(std::move(input.settings)), pids_(std::move(pids)), initial_mesh_(std::move(input.mesh)) {}
+MeshParticipant::MeshParticipant(Case input, std::vector<std::int64_t> pids,
+                                 std::filesystem::path remesh_program)
+    : settings_(std::move(input.settings)),
+      pids_(std::move(pids)),
+      initial_mesh_(std::move(input.mesh)),
+      remesher_(settings_, std::move(remesh_program)) {}
 
 participant::Description MeshParticipant::describe() {
   using v1::FieldContract;
@@ -34,6 +38,7 @@ participant::Description MeshParticipant::describe() {
   description.can_checkpoint = true;
   description.variable_step = true;
   description.pids = pids_;
+  description.can_replace_mesh = true;
   description.inputs = {
       participant::field("displacement", FieldContract::DISPLACEMENT, FieldContract::INTERFACE_NODES, 3),
       participant::field("translation", FieldContract::TRANSLATION, FieldContract::GLOBAL, 3)};
@@ -126,13 +131,36 @@ Result<void> MeshParticipant::commit(bool write_output) {
   mover_->commit();
   time_n_ = step_.time + step_.time_step;
   steps_done_ = step_.step;
-  if (!write_output) return {};
+  replacement_.reset();
+  if (!write_output) return {}; // within a step
+  replacement_ = remesher_.after_step(*mover_, last_.quality, steps_done_, settings_.output.directory);
   return results_.write(*mover_, steps_done_, time_n_, last_, false);
 }
 
 Result<void> MeshParticipant::rollback() {
   mover_->rollback();
   return {};
+}
+
+std::optional<participant::NewMesh> MeshParticipant::new_mesh() {
+  if (!replacement_) return std::nullopt;
+  return participant::NewMesh{replacement_->file, replacement_->mesh_hash, replacement_->reason};
+}
+
+Result<participant::ReplacedMesh> MeshParticipant::replace_mesh(const participant::NewMesh& mesh, bool) {
+  participant::report_progress("reading");
+  mover_.reset(); // one at a time: all ranks share its work
+  auto mover = mover_on(mesh.file, mesh.mesh_hash, settings_);
+  if (!mover) return mover.error();
+  mover_ = std::move(*mover);
+  mesh_hash_ = mesh.mesh_hash;
+  replacement_.reset();
+  participant::ReplacedMesh replaced;
+  const auto& nodes = mover_->motion().interface_nodes();
+  replaced.mesh_nodes.assign(nodes.begin(), nodes.end());
+  replaced.mesh_node_count = static_cast<std::uint64_t>(mover_->mesh().node_count());
+  replaced.mesh_hash = mesh_hash_;
+  return replaced;
 }
 
 Result<void> MeshParticipant::checkpoint(const std::filesystem::path& directory) {
@@ -142,6 +170,7 @@ Result<void> MeshParticipant::checkpoint(const std::filesystem::path& directory)
   state.time = time_n_;
   state.step = steps_done_;
   mover_->save(state);
+  remesher_.save(state);
   DROGUE_TRY(io::write_state(directory / state_file, state));
   return results_.save_positions(directory / positions_file);
 }
@@ -154,6 +183,7 @@ Result<void> MeshParticipant::restore(const std::filesystem::path& directory) {
     return config_error("{} is a state of \"{}\" on the mesh {}; needed is one of \"{}\" on the mesh {}",
                         file.string(), state->kind, state->mesh_hash, state_kind, mesh_hash_);
   DROGUE_TRY(mover_->load(*state));
+  remesher_.load(*state);
   time_n_ = state->time;
   steps_done_ = state->step;
   return resume_ ? results_.restore_positions(directory / positions_file) : Result<void>();

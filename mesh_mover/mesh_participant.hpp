@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "mesh_mover/remesher.hpp"
 #include "mesh_mover/results.hpp"
 #include "participant/cpp/participant.hpp"
 
@@ -18,7 +19,9 @@ class MeshParticipant : public participant::Solver {
  public:
   /// @param input loaded for Role::participant
   /// @param pids of all ranks; empty: this process alone
-  explicit MeshParticipant(Case input, std::vector<std::int64_t> pids = {});
+  /// @param remesh_program see Remesher
+  explicit MeshParticipant(Case input, std::vector<std::int64_t> pids = {},
+                           std::filesystem::path remesh_program = {});
 
   [[nodiscard]] participant::Description describe() override;
   [[nodiscard]] Result<void> configure(const participant::RunInfo& run) override;
@@ -28,6 +31,9 @@ class MeshParticipant : public participant::Solver {
                                                              participant::Fields& outputs) override;
   [[nodiscard]] Result<void> commit(bool write_output) override;
   [[nodiscard]] Result<void> rollback() override;
+  [[nodiscard]] std::optional<participant::NewMesh> new_mesh() override;
+  [[nodiscard]] Result<participant::ReplacedMesh> replace_mesh(const participant::NewMesh& mesh,
+                                                               bool restoring) override;
   [[nodiscard]] Result<void> checkpoint(const std::filesystem::path& directory) override;
   [[nodiscard]] Result<void> restore(const std::filesystem::path& directory) override;
 
@@ -40,6 +46,8 @@ class MeshParticipant : public participant::Solver {
   std::unique_ptr<MeshMover> mover_;
   std::string mesh_hash_;
   Results results_;
+  Remesher remesher_;
+  std::optional<Replacement> replacement_; ///< of the last commit
   participant::StepInfo step_;
   SolveReport last_;
   double time_n_ = 0;

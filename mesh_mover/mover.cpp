@@ -29,7 +29,13 @@ MeshMover::MeshMover(mesh::Mesh mesh, const Settings& settings, Cells cells, Bou
       points_np1_(mesh_.points),
       target_(u_n_),
       w_(u_n_),
-      increment_(u_n_) {}
+      increment_(u_n_) {
+  const auto base = mesh_.node_fields.find(start_displacement_name);
+  if (base == mesh_.node_fields.end() || base->second.components != 3) return;
+  base_ = base->second.values;
+  origin_ = mesh_.points;
+  for (std::size_t i = 0; i < origin_.size(); ++i) origin_[i] -= base_[i];
+}
 
 /// function(i) for every given entry i of a nodal array {nodes, 3}.
 template <class Function>
@@ -132,8 +138,20 @@ Result<SolveReport> MeshMover::move_in(int parts) {
   return judge(std::move(report));
 }
 
+void MeshMover::set_target(const BoundaryInput& input) {
+  motion_.evaluate(input, is_replacement() ? origin_ : mesh_.points, target_);
+  if (is_replacement()) for_each_given([&](std::size_t i) { target_[i] -= base_[i]; });
+}
+
+std::vector<double> MeshMover::displacement_since_start() const {
+  std::vector<double> u = u_np1_;
+  if (is_replacement())
+    for (std::size_t i = 0; i < u.size(); ++i) u[i] += base_[i];
+  return u;
+}
+
 Result<SolveReport> MeshMover::solve(const BoundaryInput& input) {
-  motion_.evaluate(input, mesh_.points, target_);
+  set_target(input);
   auto report = parts_ == 1 ? move_at_once() : move_in(parts_);
   while (!report && report.error().retryable && 2 * parts_ <= settings_.max_sub_increments) {
     parts_ *= 2;

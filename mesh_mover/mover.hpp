@@ -12,6 +12,11 @@
 
 namespace drogue::mesh_mover {
 
+/// Nodal field of a mesh that has taken the place of another one: the displacement of its nodes, at the
+/// positions they have in the file, since the start of the run. What the boundaries do counts from that
+/// start.
+inline constexpr const char* start_displacement_name = "start_displacement";
+
 /// What one call of MeshMover::solve did.
 struct SolveReport {
   int iterations = 0;
@@ -50,10 +55,14 @@ class MeshMover {
   /// Back to the state at begin_step.
   void rollback();
 
-  /// Since the start, of the last solve (outside a step: at t_n), {nodes, 3} [length].
+  /// Since the positions in the mesh file, of the last solve (outside a step: at t_n), {nodes, 3} [length].
   [[nodiscard]] std::span<const double> displacement() const { return u_np1_; }
   /// Positions of the last solve, {nodes, 3} [length].
   [[nodiscard]] std::span<const double> points() const { return points_np1_; }
+  /// Since the start of the run; another one than displacement() when the mesh is a replacement.
+  [[nodiscard]] std::vector<double> displacement_since_start() const;
+  /// The mesh has taken the place of another one.
+  [[nodiscard]] bool is_replacement() const { return !base_.empty(); }
   [[nodiscard]] const mesh::Mesh& mesh() const { return mesh_; }
   [[nodiscard]] const BoundaryMotion& motion() const { return motion_; }
   [[nodiscard]] const Cells& cells() const { return cells_; }
@@ -74,6 +83,7 @@ class MeshMover {
   [[nodiscard]] bool from_initial() const { return settings_.increment == Increment::from_initial; }
   [[nodiscard]] Result<void> prepare_base();
   void start_value();
+  void set_target(const BoundaryInput& input);
   [[nodiscard]] Result<SolveReport> move_at_once();
   [[nodiscard]] Result<SolveReport> move_in(int parts);
   [[nodiscard]] Result<SolveReport> judge(SolveReport report) const;
@@ -87,8 +97,12 @@ class MeshMover {
   std::unique_ptr<Extension> extension_;
   bool is_prepared_ = false; // for the mesh at t_n, or the initial one for Increment::from_initial
 
+  // Of a replacement, else empty.
+  std::vector<double> base_;   ///< displacement since the start of the run, in the mesh file's positions
+  std::vector<double> origin_; ///< positions at the start of the run
+
   // Committed state.
-  std::vector<double> u_n_;         // displacement since the start
+  std::vector<double> u_n_;         // displacement since the file's positions
   std::vector<double> increment_n_; // of the last step
   double time_step_n_ = 0;          // of the last step
 
@@ -97,7 +111,7 @@ class MeshMover {
   int parts_ = 1; // sub-increments that the last solve needed
   std::vector<double> u_np1_;
   std::vector<double> points_np1_;
-  std::vector<double> target_;    // given entries: the boundary's displacement since the start
+  std::vector<double> target_;    // given entries: the boundary's displacement
   std::vector<double> w_;         // unknown: the increment, or the displacement for Increment::from_initial
   std::vector<double> increment_; // given entries: what is new
 };

@@ -30,8 +30,10 @@ Result<void> run_on_first_rank(const std::filesystem::path& file, const std::str
                                std::vector<std::int64_t> pids) {
   auto input = load_whole_case(file, endpoint.empty() ? Role::alone : Role::participant);
   if (!input) return input.error();
-  if (endpoint.empty()) return run_standalone(std::move(*input));
-  MeshParticipant solver(std::move(*input), std::move(pids));
+  std::error_code ignored;
+  const auto itself = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  if (endpoint.empty()) return run_standalone(std::move(*input), itself);
+  MeshParticipant solver(std::move(*input), std::move(pids), itself);
   return participant::serve(solver, participant::serve_options_from_environment(endpoint));
 }
 

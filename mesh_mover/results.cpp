@@ -101,7 +101,8 @@ Result<void> Results::write_fields(const MeshMover& mover, std::uint64_t step, d
   data.points = mover.points();
   for (const auto& block : mover.mesh().blocks)
     if (mesh::dimension(block.kind) == cells.dimension) data.blocks.push_back(&block);
-  data.point_data = {{"displacement", 3, mover.displacement()}};
+  const std::vector<double> displacement = mover.displacement_since_start();
+  data.point_data = {{"displacement", 3, displacement}};
   data.cell_data = {{"volume_ratio", 1, volume_ratio}, {"mean_ratio", 1, mean_ratio}};
   const auto file = settings_.directory / fmt::format("mesh_{:06}.vtu", step);
   DROGUE_TRY(io::write_vtu(file, data));

@@ -92,6 +92,9 @@ void Checker::method() {
 }
 
 void Checker::in_plane() {
+  if (config_.has_remesh())
+    report_.error(at("remesh"),
+                  fmt::format("{} is two-dimensional: only tetrahedra are meshed anew", config_.mesh()));
   for (int i = 0; i < config_.boundary_size(); ++i) {
     const auto& boundary = config_.boundary(i);
     const std::string path = fmt::format("boundary[{}]", i);
@@ -211,6 +214,7 @@ Settings settings_from(const v1::MeshMoverConfig& config) {
   s.linear_solver = linear_solver_from(config.linear_solver());
   s.warn = limits_from(config.warn());
   s.stop = limits_from(config.stop());
+  if (config.has_remesh()) s.remesh = limits_from(config.remesh());
   s.stop.min_volume_ratio = config.smallest_volume_ratio();
   s.max_sub_increments = config.max_sub_increments();
   s.step = config.step();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,7 @@ struct Settings {
   int max_iterations = 1000;
   Limits warn;
   Limits stop = {.min_volume_ratio = 0.01};
+  std::optional<Limits> remesh; ///< a mesh beyond them is replaced after the step
   int max_sub_increments = 1;
   double step = 0; ///< stand-alone [time]
   int steps = 0;

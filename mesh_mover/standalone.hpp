@@ -7,6 +7,7 @@ namespace drogue::mesh_mover {
 
 /// Moves the mesh through all steps of its config with the boundaries' own expressions, and writes results.
 /// Errors: ErrorKind::numerical names the step that failed.
-[[nodiscard]] Result<void> run_standalone(Case input);
+/// @param remesh_program see Remesher
+[[nodiscard]] Result<void> run_standalone(Case input, const std::filesystem::path& remesh_program = {});
 
 } // namespace drogue::mesh_mover

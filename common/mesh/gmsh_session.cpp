@@ -15,15 +15,17 @@ std::mutex& gmsh_mutex() {
   return mutex;
 }
 
+void initialise() {
+  gmsh::initialize(0, nullptr, false);
+  gmsh::option::setNumber("General.Terminal", 0);
+  gmsh::option::setNumber("Mesh.Renumber", 0);
+}
+
 /// Asks nothing before initialising: a Gmsh that is not initialised may end the process on any other call,
 /// whereas one that already is only warns.
 void initialise_once() {
   static std::once_flag once;
-  std::call_once(once, [] {
-    gmsh::initialize(0, nullptr, false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("Mesh.Renumber", 0);
-  });
+  std::call_once(once, initialise);
 }
 
 std::vector<int> view_tags() {
@@ -54,6 +56,12 @@ std::vector<int> GmshSession::new_views() const {
     if (std::find(previous_views_.begin(), previous_views_.end(), tag) == previous_views_.end())
       added.push_back(tag);
   return added;
+}
+
+void restart_gmsh() {
+  const std::unique_lock<std::mutex> lock(gmsh_mutex());
+  gmsh::finalize();
+  initialise();
 }
 
 std::string gmsh_reason(const std::string& otherwise) {

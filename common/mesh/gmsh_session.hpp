@@ -27,6 +27,9 @@ class GmshSession {
   std::vector<int> previous_views_;
 };
 
+/// Starts Gmsh anew. After a mesh that could not be made it makes no other one. @pre no session is open
+void restart_gmsh();
+
 /// What Gmsh reported last as an error; `otherwise` when it reported nothing.
 [[nodiscard]] std::string gmsh_reason(const std::string& otherwise);
 

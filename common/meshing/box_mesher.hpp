@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
-
 #include "common/base/result.hpp"
-#include "common/meshing/tet_mesh.hpp"
+#include "common/meshing/gmsh_volume.hpp"
 
 namespace drogue::meshing {
 
@@ -12,8 +10,6 @@ struct Box {
   Point low = Point::Zero();
   Point high = Point::Zero();
 };
-
-using SizeFunction = std::function<double(const Point&)>;
 
 /// Meshes a box around an embedded open surface with Gmsh (HXT, one thread: with more it may give a mesh that
 /// does not conform). The result's first nodes are `points`, unmoved; its interior surface is `surface`; its

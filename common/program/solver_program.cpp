@@ -24,6 +24,13 @@ int run_solver_program(const SolverProgram& program, int argc, char** argv) {
   bool participant = std::getenv("DROGUE_PARTICIPANT") != nullptr;
   check->add_flag("--participant", participant,
                   "for a coupled run; also when DROGUE_PARTICIPANT is set in the environment");
+  std::string to;
+  CLI::App* remesh = nullptr;
+  if (program.remesh) {
+    remesh = app.add_subcommand("remesh", "meshes the volume of a mesh anew; its boundary stays as it is");
+    remesh->add_option("FROM", file, "mesh (*.msh) of tetrahedra")->required();
+    remesh->add_option("TO", to, "where the new mesh is written (*.msh)")->required();
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -31,9 +38,12 @@ int run_solver_program(const SolverProgram& program, int argc, char** argv) {
   }
   start_log(program.name);
   if (run->parsed()) catch_interrupts();
-  const Result<void> done = check->parsed()
-                                ? program.check(file, participant ? Role::participant : Role::alone)
-                                : program.run(file, endpoint);
+  const auto chosen = [&]() -> Result<void> {
+    if (check->parsed()) return program.check(file, participant ? Role::participant : Role::alone);
+    if (remesh && remesh->parsed()) return program.remesh(file, to);
+    return program.run(file, endpoint);
+  };
+  const Result<void> done = chosen();
   if (done) return 0;
   if (program.speaks()) fmt::print(stderr, "{}\n", done.error().message);
   return exit_status(done.error());

@@ -20,6 +20,9 @@ struct SolverProgram {
   /// SIGINT and SIGTERM are caught (common/base/interrupt.hpp): the run ends itself, in order.
   /// `NAME run FILE`: alone when `endpoint` is empty; `NAME run FILE --connect ENDPOINT`: as a participant.
   std::function<Result<void>(const std::string& file, const std::string& endpoint)> run;
+  /// `NAME remesh FROM TO`: meshes the volume of a mesh anew inside its boundary (common/meshing/remesh.hpp);
+  /// empty: there is no such command.
+  std::function<Result<void>(const std::string& from, const std::string& to)> remesh = {};
   /// Whether this process prints errors: one rank of an MPI job does.
   std::function<bool()> speaks = [] { return true; };
 };

@@ -45,7 +45,8 @@ std::vector<wire::Message> all_requests(const Trial& trial, const Session& sessi
           commit(1),
           rollback(1),
           checkpoint(session.folder()),
-          restore(session.folder())};
+          restore(session.folder()),
+          replace_mesh(session.folder() / "none.msh")};
 }
 
 /// Every request that does not fit the state.

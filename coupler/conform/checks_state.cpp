@@ -142,11 +142,26 @@ void check_bad_checkpoint(const Trial& trial, Report& report, const fs::path& ke
   });
 }
 
+/// It either cannot replace its mesh, and says so, or has no such file.
+void check_bad_mesh(const Trial& trial, Report& report) {
+  play(trial, report, "bad_mesh", {"bad_mesh"}, [&](Session& session) -> Result<void> {
+    DROGUE_TRY(go_to(session, trial, ProtocolState::ready));
+    const bool can = trial.record.hello.can_replace_mesh();
+    const auto got = ask_for_error(session, replace_mesh(session.folder() / "none.msh"),
+                                   can ? v1::Error::CODE_UNSPECIFIED : v1::Error::UNSUPPORTED);
+    if (!got) return got.error();
+    const auto exit = session.end(end_deadline);
+    if (!exit) return exit.error();
+    return exit->status != 0 && exit->signal == 0 ? Result<void>() : peer_error("it {}", exit->text());
+  });
+}
+
 } // namespace
 
 void check_states(const Trial& trial, Report& report) {
   check_rollback(trial, report);
   check_step_length(trial, report);
+  check_bad_mesh(trial, report);
   if (!trial.record.hello.can_checkpoint()) {
     for (const char* promise : {"checkpoint", "restore", "resume", "bad_checkpoint"})
       report.skip(promise, "it says that it cannot give checkpoints");

@@ -37,6 +37,8 @@ constexpr std::array promises{
     Promise{"resume", "so does Restore in a new process with Configure.resume"},
     Promise{"bad_checkpoint",
             "Restore from a folder without its files: an Error, and an end with another status than 0"},
+    Promise{"bad_mesh", "ReplaceMesh with a file that is not there, or to one that cannot: an Error, and "
+                        "another status than 0"},
     Promise{"beats", "Beat about once a second while it works"},
     Promise{"version_refused", "Configure with an unknown version: Error UNSUPPORTED, and status 2"},
     Promise{"malformed", "a malformed message is not taken for a request"},

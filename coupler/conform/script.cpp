@@ -91,6 +91,12 @@ wire::Message restore(const std::filesystem::path& folder) {
   m.envelope.mutable_restore()->set_directory(folder.string());
   return m;
 }
+wire::Message replace_mesh(const std::filesystem::path& file) {
+  wire::Message m = message(1);
+  m.envelope.mutable_replace_mesh()->set_file(file.string());
+  m.envelope.mutable_replace_mesh()->set_mesh_hash("none");
+  return m;
+}
 wire::Message shutdown() {
   wire::Message m = message();
   m.envelope.mutable_shutdown();

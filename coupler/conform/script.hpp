@@ -44,6 +44,7 @@ struct Trial {
 [[nodiscard]] wire::Message rollback(int step);
 [[nodiscard]] wire::Message checkpoint(const std::filesystem::path& folder);
 [[nodiscard]] wire::Message restore(const std::filesystem::path& folder);
+[[nodiscard]] wire::Message replace_mesh(const std::filesystem::path& file);
 [[nodiscard]] wire::Message shutdown();
 [[nodiscard]] wire::Message abort_run();
 

@@ -2,6 +2,7 @@
 #include "coupler/scheme/contract.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
@@ -123,6 +124,21 @@ Result<void> check_same_mesh(const participant::InterfaceMesh& fluid,
   if (a != b)
     return config_error("fluid and mesh_mover name different interface nodes ({} and {})", a.size(),
                         b.size());
+  return {};
+}
+
+Result<void> check_same_pairs(const MeshHolders& before, const MeshHolders& after) {
+  std::map<std::int64_t, std::size_t> fluid_index;
+  for (std::size_t i = 0; i < before.fluid.mesh_nodes.size(); ++i)
+    fluid_index[before.fluid.mesh_nodes[i]] = i;
+  if (after.fluid.mesh_nodes.size() != before.fluid.mesh_nodes.size() ||
+      after.mesh_mover.mesh_nodes.size() != before.mesh_mover.mesh_nodes.size())
+    return peer_error("fluid or mesh_mover has another number of interface nodes on the new mesh");
+  for (std::size_t i = 0; i < before.mesh_mover.mesh_nodes.size(); ++i)
+    if (after.fluid.mesh_nodes[fluid_index.at(before.mesh_mover.mesh_nodes[i])] !=
+        after.mesh_mover.mesh_nodes[i])
+      return peer_error(
+          "fluid or mesh_mover has its interface nodes in another order on the new mesh (node {})", i);
   return {};
 }
 

@@ -28,4 +28,13 @@ namespace drogue::coupler {
 [[nodiscard]] Result<void> check_same_mesh(const participant::InterfaceMesh& fluid,
                                            const participant::InterfaceMesh& mesh_mover);
 
+/// The interfaces of the two that hold the fluid's mesh.
+struct MeshHolders {
+  const participant::InterfaceMesh& fluid;
+  const participant::InterfaceMesh& mesh_mover;
+};
+/// After a mesh was replaced: interface nodes that were one node of the mesh are one node again. Errors
+/// (ErrorKind::peer): they are not.
+[[nodiscard]] Result<void> check_same_pairs(const MeshHolders& before, const MeshHolders& after);
+
 } // namespace drogue::coupler

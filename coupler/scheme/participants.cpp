@@ -323,8 +323,59 @@ Result<void> Participants::commit(const Station& at, bool write_output) {
     m.envelope.mutable_commit()->set_write_output(write_output);
     DROGUE_TRY(hub_->post(*peer, std::move(m)));
   }
-  for (Peer* peer : everyone) DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.other)));
+  new_mesh_.reset();
+  for (Peer* peer : everyone) {
+    // A mesh mover may make a new mesh of it.
+    const double deadline = peer == mesh_mover_ && peer->hello.can_replace_mesh()
+                                ? settings_.deadlines.initialize
+                                : settings_.deadlines.other;
+    const auto answer = hub_->await(*peer, Seconds(deadline));
+    if (!answer) return answer.error();
+    if (peer == mesh_mover_ && answer->envelope.done().has_new_mesh())
+      new_mesh_ = answer->envelope.done().new_mesh();
+  }
   return {};
+}
+
+Result<MeshChange> Participants::replace_mesh(const Station& at, const MeshFile& mesh, bool restoring) {
+  const std::array both{mesh_mover_, fluid_};
+  for (const Peer* peer : both)
+    if (!peer->hello.can_replace_mesh())
+      return config_error(
+          "the mesh must be replaced{}, but {} ({}) cannot take another mesh: it does not say "
+          "can_replace_mesh in its Hello",
+          new_mesh_ ? fmt::format(" after step {} ({})", at.step, new_mesh_->reason()) : "", peer->name,
+          peer->hello.software());
+  for (Peer* peer : both) {
+    wire::Message m = message(at);
+    m.envelope.mutable_replace_mesh()->set_file(mesh.path.string());
+    m.envelope.mutable_replace_mesh()->set_mesh_hash(mesh.mesh_hash);
+    m.envelope.mutable_replace_mesh()->set_restoring(restoring);
+    DROGUE_TRY(hub_->post(*peer, std::move(m)));
+  }
+  const participant::InterfaceMesh old_fluid = fluid_interface, old_mesh = mesh_interface;
+  MeshChange change;
+  change.nodes_before = fluid_interface.mesh_node_count;
+  for (Peer* peer : both) {
+    const auto answer = hub_->await(*peer, Seconds(settings_.deadlines.initialize));
+    if (!answer) return answer.error();
+    const v1::Replaced& replaced = answer->envelope.replaced();
+    participant::InterfaceMesh& interface = peer == fluid_ ? fluid_interface : mesh_interface;
+    interface.mesh_node_count = replaced.mesh_node_count();
+    interface.mesh_hash = replaced.mesh_hash();
+    if (const auto nodes = answer->indices.find("mesh_nodes"); nodes != answer->indices.end())
+      interface.mesh_nodes = nodes->second.values;
+    if (peer == fluid_) {
+      change.mass_defect = replaced.mass_defect();
+      change.momentum_defect = replaced.momentum_defect();
+      change.energy_defect = replaced.energy_defect();
+    }
+  }
+  change.nodes_after = fluid_interface.mesh_node_count;
+  DROGUE_TRY(check_same_mesh(fluid_interface, mesh_interface));
+  DROGUE_TRY(check_same_pairs({old_fluid, old_mesh}, {fluid_interface, mesh_interface}));
+  replaced_mesh_ = mesh;
+  return change;
 }
 
 Result<void> Participants::roll_back(const Station& at) {

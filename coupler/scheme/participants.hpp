@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/base/result.hpp"
+#include "coupler/checkpoint_store.hpp"
 #include "coupler/launcher/peer.hpp"
 #include "coupler/settings.hpp"
 #include "participant/cpp/participant.hpp"
@@ -17,6 +19,12 @@ struct Station {
   std::uint64_t step = 0;
   std::uint32_t iteration = 0;
   std::uint32_t attempt = 1;
+};
+
+/// What came of a mesh's replacement; the defects are those of Replaced in wire.proto.
+struct MeshChange {
+  std::uint64_t nodes_before = 0, nodes_after = 0;
+  double mass_defect = 0, momentum_defect = 0, energy_defect = 0;
 };
 
 /// The three participants of a case, as typed calls over the wire.
@@ -36,6 +44,13 @@ class Participants {
   [[nodiscard]] Result<void> begin_step(const Station& at, double time, double time_step);
   /// All three; `write_output`: their own output intervals count this step.
   [[nodiscard]] Result<void> commit(const Station& at, bool write_output);
+  /// The mesh that the mesh mover gave with its last commit to take the place of the present one.
+  [[nodiscard]] const std::optional<v1::NewMesh>& new_mesh() const { return new_mesh_; }
+  /// Fluid and mesh mover go over to another mesh, between two steps; `restoring`: restore() follows. Errors:
+  /// one of them cannot (ErrorKind::config), or holds another mesh or another interface afterwards.
+  [[nodiscard]] Result<MeshChange> replace_mesh(const Station& at, const MeshFile& mesh, bool restoring);
+  /// The mesh that replace_mesh gave last.
+  [[nodiscard]] const std::optional<MeshFile>& replaced_mesh() const { return replaced_mesh_; }
   /// Everyone that is in the step goes back to its beginning.
   [[nodiscard]] Result<void> roll_back(const Station& at);
 
@@ -97,6 +112,8 @@ class Participants {
   std::unique_ptr<launcher::Hub> hub_;
   launcher::Peer *fluid_ = nullptr, *structure_ = nullptr, *mesh_mover_ = nullptr;
   v1::Iterated fluid_report_, structure_report_, mesh_report_;
+  std::optional<v1::NewMesh> new_mesh_;
+  std::optional<MeshFile> replaced_mesh_;
   std::string load_field_;
   bool load_is_pressure_ = true;
   LoadTime load_time_ = LoadTime::matching;

@@ -54,15 +54,21 @@ Result<Results> Results::create(const std::filesystem::path& run_directory, io::
                             existing);
   if (!drag) return drag.error();
   results.drag_ = std::move(*drag);
+  auto remesh = io::CsvWriter::create(
+      run_directory / "remesh.csv",
+      {"step", "time", "nodes_before", "nodes_after", "mass_defect", "momentum_defect", "energy_defect"},
+      existing);
+  if (!remesh) return remesh.error();
+  results.remesh_ = std::move(*remesh);
   return results;
 }
 
 Result<void> Results::save_positions(const std::filesystem::path& file) {
-  return io::save_positions(file, {{&coupling_, &drag_}, {}});
+  return io::save_positions(file, {{&coupling_, &drag_, &remesh_}, {}});
 }
 
 Result<void> Results::restore_positions(const std::filesystem::path& file) {
-  return io::restore_positions(file, {{&coupling_, &drag_}, {}});
+  return io::restore_positions(file, {{&coupling_, &drag_, &remesh_}, {}});
 }
 
 Result<void> Results::iteration(const IterationRecord& r) {
@@ -107,6 +113,11 @@ Result<void> Results::step(const StepRecord& r) {
   return drag_.row({r.time, r.force[0], r.force[1], r.force[2], r.drag_coefficient, r.load_factor,
                     r.mean_displacement[0], r.mean_displacement[1], r.mean_displacement[2], r.vector_area[0],
                     r.vector_area[1], r.vector_area[2], r.iterations, r.converged});
+}
+
+Result<void> Results::new_mesh(const RemeshRecord& r) {
+  return remesh_.row(
+      {r.step, r.time, r.nodes_before, r.nodes_after, r.mass_defect, r.momentum_defect, r.energy_defect});
 }
 
 } // namespace drogue::coupler

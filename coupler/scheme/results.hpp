@@ -51,14 +51,22 @@ struct StepRecord {
   double converged = 1;
 };
 
-/// coupling.csv and drag.csv, a row at a time; what is written stays.
+/// One change of the fluid's mesh: a row of remesh.csv. The defects are those of Replaced in wire.proto.
+struct RemeshRecord {
+  double step = 0, time = 0;
+  double nodes_before = 0, nodes_after = 0;
+  double mass_defect = 0, momentum_defect = 0, energy_defect = 0;
+};
+
+/// coupling.csv, drag.csv and remesh.csv, a row at a time; what is written stays.
 class Results {
  public:
   [[nodiscard]] static Result<Results> create(const std::filesystem::path& run_directory,
                                               io::Existing existing = io::Existing::replace);
-  /// Errors of both: as io::CsvWriter::row.
+  /// Errors of all: as io::CsvWriter::row.
   [[nodiscard]] Result<void> iteration(const IterationRecord& r);
   [[nodiscard]] Result<void> step(const StepRecord& r);
+  [[nodiscard]] Result<void> new_mesh(const RemeshRecord& r);
   /// How far the files are written: noted for a checkpoint, and gone back to.
   [[nodiscard]] Result<void> save_positions(const std::filesystem::path& file);
   [[nodiscard]] Result<void> restore_positions(const std::filesystem::path& file);
@@ -67,7 +75,7 @@ class Results {
   [[nodiscard]] Result<void> cut_iterations(std::uint64_t size) { return coupling_.cut(size); }
 
  private:
-  io::CsvWriter coupling_, drag_;
+  io::CsvWriter coupling_, drag_, remesh_;
 };
 
 } // namespace drogue::coupler

@@ -344,7 +344,25 @@ Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double 
   s.vector_area = exchange_.vector_area(n_.d);
   s.iterations = outcome.iterations;
   s.converged = outcome.converged ? 1 : 0;
-  return results_.step(s);
+  DROGUE_TRY(results_.step(s));
+  return participants_.new_mesh() ? change_mesh(at, s.time) : Result<void>();
+}
+
+/// Secants and levels stay: nothing changes on the interface.
+Result<void> StepLoop::change_mesh(const Station& at, double time) {
+  const v1::NewMesh mesh = *participants_.new_mesh();
+  const auto change =
+      participants_.replace_mesh({at.step, 0, at.attempt}, {mesh.file(), mesh.mesh_hash()}, false);
+  if (!change) return change.error();
+  ++totals_.new_meshes;
+  spdlog::info(
+      "step {} (t = {:g}): new fluid mesh of {} nodes in place of {}: {}. The flow was carried over with a "
+      "change of {:.2e} of its flux, {:.2e} of its momentum, {:.2e} of its energy",
+      at.step, time, change->nodes_after, change->nodes_before, mesh.reason(), change->mass_defect,
+      change->momentum_defect, change->energy_defect);
+  return results_.new_mesh({static_cast<double>(at.step), time, static_cast<double>(change->nodes_before),
+                            static_cast<double>(change->nodes_after), change->mass_defect,
+                            change->momentum_defect, change->energy_defect});
 }
 
 } // namespace drogue::coupler

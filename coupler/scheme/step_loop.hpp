@@ -20,6 +20,7 @@ struct LoopTotals {
   int most_iterations = 0; ///< of a step, with all its parts and attempts
   int unconverged = 0;     ///< steps with a part that was accepted unconverged
   int retries = 0;
+  int new_meshes = 0;                           ///< in the place of the fluid's mesh
   double used_columns = 0, dropped_columns = 0; ///< secants, summed over the iterations
   double added_mass_ratio =
       0; ///< ||dH|| / ||dd|| of the first secant: about the fluid's mass over the structure's
@@ -77,6 +78,7 @@ class StepLoop {
   [[nodiscard]] Result<void> finish(const Station& at, const Outcome& outcome, double time, double time_step,
                                     bool whole_step);
   [[nodiscard]] Result<void> use_step(double time_step);
+  [[nodiscard]] Result<void> change_mesh(const Station& at, double time);
   void predict(double time_step);
   void measure(double time_step);
   void learn_added_mass(int iteration);

@@ -63,6 +63,7 @@ std::vector<double> numbers(const LoopTotals& t) {
           static_cast<double>(t.most_iterations),
           static_cast<double>(t.unconverged),
           static_cast<double>(t.retries),
+          static_cast<double>(t.new_meshes),
           t.used_columns,
           t.dropped_columns,
           t.added_mass_ratio};
@@ -70,7 +71,7 @@ std::vector<double> numbers(const LoopTotals& t) {
 
 LoopTotals totals_of(const std::vector<double>& n) {
   const auto count = [&](std::size_t i) { return static_cast<int>(n[i]); };
-  return {count(0), count(1), count(2), count(3), count(4), count(5), n[6], n[7], n[8]};
+  return {count(0), count(1), count(2), count(3), count(4), count(5), count(6), n[7], n[8], n[9]};
 }
 
 } // namespace

@@ -95,6 +95,7 @@ class Server {
     hello.set_can_rollback(description_.can_rollback);
     hello.set_can_checkpoint(description_.can_checkpoint);
     hello.set_variable_step(description_.variable_step);
+    hello.set_can_replace_mesh(description_.can_replace_mesh);
     for (const auto& f : description_.inputs) *hello.add_input() = f;
     for (const auto& f : description_.outputs) *hello.add_output() = f;
     transport_.post(std::move(message));
@@ -157,7 +158,9 @@ class Server {
     case Body::kIterate:
       return iterate(request, reply);
     case Body::kCommit:
-      return verdict(solver_.commit(in.commit().write_output()));
+      return commit(in.commit(), reply);
+    case Body::kReplaceMesh:
+      return replace_mesh(in.replace_mesh(), reply);
     case Body::kRollback:
       return rollback();
     case Body::kCheckpoint:
@@ -215,6 +218,36 @@ class Server {
     return std::nullopt;
   }
 
+  Verdict commit(const v1::Commit& request, wire::Message& reply) {
+    if (Verdict refusal = verdict(solver_.commit(request.write_output()))) return refusal;
+    v1::Done& done = *reply.envelope.mutable_done();
+    if (const auto mesh = solver_.new_mesh()) {
+      done.mutable_new_mesh()->set_file(mesh->file.string());
+      done.mutable_new_mesh()->set_mesh_hash(mesh->mesh_hash);
+      done.mutable_new_mesh()->set_reason(mesh->reason);
+    }
+    return std::nullopt;
+  }
+
+  Verdict replace_mesh(const v1::ReplaceMesh& request, wire::Message& reply) {
+    if (!description_.can_replace_mesh)
+      return Refusal{v1::Error::UNSUPPORTED, "this participant cannot replace its mesh"};
+    auto mesh = solver_.replace_mesh({request.file(), request.mesh_hash(), ""}, request.restoring());
+    if (!mesh) return verdict(mesh.error());
+    if (mesh->mesh_nodes.size() != interface_nodes_)
+      return Refusal{v1::Error::INTERNAL, fmt::format("the new mesh has {} interface nodes in place of {}",
+                                                      mesh->mesh_nodes.size(), interface_nodes_)};
+    mesh_nodes_ = mesh->mesh_node_count;
+    v1::Replaced& replaced = *reply.envelope.mutable_replaced();
+    replaced.set_mesh_node_count(mesh->mesh_node_count);
+    replaced.set_mesh_hash(mesh->mesh_hash);
+    replaced.set_mass_defect(mesh->mass_defect);
+    replaced.set_momentum_defect(mesh->momentum_defect);
+    replaced.set_energy_defect(mesh->energy_defect);
+    put(reply.indices, "mesh_nodes", std::move(mesh->mesh_nodes), 1);
+    return std::nullopt;
+  }
+
   Verdict rollback() {
     if (!description_.can_rollback)
       return Refusal{v1::Error::UNSUPPORTED, "this participant cannot roll back"};
@@ -269,6 +302,10 @@ class Server {
 };
 
 } // namespace
+
+Result<ReplacedMesh> Solver::replace_mesh(const NewMesh&, bool) {
+  return internal_error("this participant says that it can replace its mesh, but does not know how");
+}
 
 ServeOptions serve_options_from_environment(std::string endpoint) {
   ServeOptions options;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@
 ///   CONNECTED --Hello--> GREETED --Configure--> CONFIGURED --Initialize--> READY
 ///   READY --BeginStep--> IN_STEP --Iterate--> ITERATED --Iterate--> ITERATED --Commit--> READY
 ///                        IN_STEP, ITERATED --Rollback--> READY
-///   READY --Checkpoint--> READY      READY --Restore--> READY
+///   READY --Checkpoint--> READY      READY --Restore--> READY      READY --ReplaceMesh--> READY
 ///   Shutdown and Abort from anywhere; after an error that is not retryable: FAILED.
 /// The table itself stands in participant/cpp/protocol_state.cpp.
 namespace drogue::participant {
@@ -42,6 +43,7 @@ struct Description {
   bool can_rollback = true;
   bool can_checkpoint = false;
   bool variable_step = true;
+  bool can_replace_mesh = false;
   std::vector<v1::FieldContract> inputs;
   std::vector<v1::FieldContract> outputs;
   /// Process ids of all ranks; empty: this process.
@@ -110,6 +112,24 @@ struct IterationReport {
   bool fixed_iterations = false;
 };
 
+/// A mesh that should take the place of a fluid's mesh; see NewMesh in wire.proto.
+struct NewMesh {
+  std::filesystem::path file; ///< absolute
+  std::string mesh_hash;
+  std::string reason;
+};
+
+/// What a participant holds after replace_mesh; see Replaced in wire.proto.
+struct ReplacedMesh {
+  std::vector<std::int64_t> mesh_nodes; ///< {n}: of each interface node, in the order of initialize()
+  std::uint64_t mesh_node_count = 0;
+  std::string mesh_hash;
+  /// Of a fluid, relative: by how much carrying the flow over changed flux, momentum and kinetic energy.
+  double mass_defect = 0;
+  double momentum_defect = 0;
+  double energy_defect = 0;
+};
+
 /// A participant's solver. serve() calls the functions in the order of the state table above, from one
 /// thread.
 ///
@@ -141,6 +161,12 @@ class Solver {
   /// @pre in the step; called only with Description::can_rollback  @post READY, in exactly the state at
   /// begin_step
   [[nodiscard]] virtual Result<void> rollback() = 0;
+  /// Asked of a mesh mover after every commit: the mesh that should take the place of its own, which is no
+  /// longer good enough.
+  [[nodiscard]] virtual std::optional<NewMesh> new_mesh() { return std::nullopt; }
+  /// Goes over to another mesh of the same domain and boundaries, between two steps; see ReplaceMesh in
+  /// wire.proto. `restoring`: restore() follows, and brings the state.
+  [[nodiscard]] virtual Result<ReplacedMesh> replace_mesh(const NewMesh& mesh, bool restoring);
   /// Saves what the steps to come depend on into files of any names in `directory`.
   /// @pre READY; called only with can_checkpoint; `directory` exists, is empty and the solver's own
   /// @post the files are complete; the solver's state has not changed

@@ -21,7 +21,7 @@ constexpr std::array transitions{
     Transition{in_step, Body::kIterate, iterated},    Transition{iterated, Body::kIterate, iterated},
     Transition{iterated, Body::kCommit, ready},       Transition{in_step, Body::kRollback, ready},
     Transition{iterated, Body::kRollback, ready},     Transition{ready, Body::kCheckpoint, ready},
-    Transition{ready, Body::kRestore, ready},
+    Transition{ready, Body::kRestore, ready},         Transition{ready, Body::kReplaceMesh, ready},
 };
 
 } // namespace
@@ -74,6 +74,10 @@ std::string_view name(v1::Envelope::BodyCase body) {
     return "Shutdown";
   case Body::kAbort:
     return "Abort";
+  case Body::kReplaceMesh:
+    return "ReplaceMesh";
+  case Body::kReplaced:
+    return "Replaced";
   case Body::kDone:
     return "Done";
   case Body::kInitialized:

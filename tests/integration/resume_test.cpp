@@ -51,6 +51,55 @@ TEST(Resume, NPlusMStepsAreNStepsResumedForM) {
   }
 }
 
+OscillatorCase with_new_mesh(const std::string& fluid_arguments) {
+  return {.fluid_arguments = fluid_arguments,
+          .mesh_mover_arguments = "--new-mesh 3 --replaces-mesh yes",
+          .steps = 8,
+          .extra = "checkpoints { steps: 2 }"};
+}
+
+// The interface does not change with the mesh: neither does what the coupling does.
+TEST(NewMesh, IsHandedOnAndComesBackOnResume) {
+  const OscillatorCase c = with_new_mesh("--replaces-mesh yes");
+  const auto expected = undisturbed(c);
+  const auto folder = partial_run(c, 6);
+  const Table remesh = read_csv(folder / "run/remesh.csv");
+  ASSERT_EQ(remesh.rows.size(), 1u);
+  EXPECT_EQ(remesh.at(0, "step"), 3);
+  EXPECT_EQ(remesh.at(0, "nodes_after"), remesh.at(0, "nodes_before") + 2);
+  EXPECT_EQ(remesh.at(0, "momentum_defect"), 0.02);
+  EXPECT_NE(read_text(checkpoint_folder(folder, 6) / "manifest.textproto").find("mesh_mover/other.msh"),
+            std::string::npos);
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+  expect_same(expected, everything(folder, 8));
+
+  OscillatorCase without = c;
+  without.mesh_mover_arguments = "";
+  auto same = undisturbed(without);
+  EXPECT_EQ(same.at("drag.csv"), expected.at("drag.csv"));
+  EXPECT_EQ(same.at("coupling.csv"), expected.at("coupling.csv"));
+}
+
+TEST(NewMesh, ACheckpointWhoseMeshWasAlteredIsNotUsed) {
+  const auto folder = partial_run(with_new_mesh("--replaces-mesh yes"), 4);
+  std::ofstream(folder / "run/mesh_mover/other.msh") << "three nodes";
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+  EXPECT_NE(output(folder).find("other.msh has 11 bytes in place of 18"), std::string::npos)
+      << output(folder);
+  EXPECT_NE(output(folder).find("goes on after step 2"), std::string::npos) << output(folder);
+}
+
+TEST(NewMesh, AFluidThatCannotTakeItEndsTheRun) {
+  const auto folder = fresh_folder("run");
+  write_case(folder, with_new_mesh(""));
+  EXPECT_EQ(run_coupler_with(folder, {"run", "case.textproto"}), 2);
+  EXPECT_NE(
+      output(folder).find("the mesh must be replaced after step 3 (worn after so many steps), but fluid "
+                          "(oscillator fluid) cannot take another mesh"),
+      std::string::npos)
+      << output(folder);
+}
+
 TEST(Resume, ContinuesAfterTheCouplerWasKilledInAStep) {
   OscillatorCase c = demanding(" checkpoints { steps: 2 keep: 3 }");
   const auto expected = undisturbed(c);

@@ -27,6 +27,7 @@ class Doubler : public Solver {
   Description describe() override {
     Description d;
     d.software = "doubler";
+    d.can_replace_mesh = replaces;
     d.inputs = {field("force", FieldContract::FORCE, FieldContract::INTERFACE_NODES, 3)};
     d.outputs = {field("displacement", FieldContract::DISPLACEMENT, FieldContract::INTERFACE_NODES, 3)};
     return d;
@@ -50,12 +51,19 @@ class Doubler : public Solver {
     return IterationReport{1, 0.5, true};
   }
   Result<void> commit(bool) override { return {}; }
+  std::optional<NewMesh> new_mesh() override { return offered; }
+  Result<ReplacedMesh> replace_mesh(const NewMesh& mesh, bool restoring) override {
+    if (mesh.mesh_hash != "def") return config_error("{} is not the mesh", mesh.file.string());
+    return ReplacedMesh{{restoring ? 8 : 7, 9}, 10, "def", 0.1, 0.2, 0.3};
+  }
   Result<void> rollback() override { return {}; }
   Result<void> checkpoint(const std::filesystem::path&) override { return {}; }
   Result<void> restore(const std::filesystem::path&) override { return {}; }
 
   std::atomic<int> iterations = 0;
   std::chrono::milliseconds work{0};
+  bool replaces = false;
+  std::optional<NewMesh> offered;
 };
 
 class ScriptedPeer : public testing::Test {
@@ -150,6 +158,60 @@ TEST_F(ScriptedPeer, RefusesRequestsThatDoNotFitTheState) {
   EXPECT_EQ(request([](v1::Envelope& e) { e.mutable_commit(); }).envelope.error().code(),
             v1::Error::WRONG_STATE);
   EXPECT_TRUE(iterate({0, 0, 0, 0, 0, 0}).envelope.has_iterated()); // it goes on as if nothing had been asked
+}
+
+/// A participant that can replace its mesh, and offers one.
+class ReplacingPeer : public ScriptedPeer {
+ protected:
+  void SetUp() override {
+    solver_.replaces = true;
+    solver_.offered = NewMesh{"/tmp/new.msh", "def", "worn"};
+    ScriptedPeer::SetUp();
+  }
+  wire::Message replace(const std::string& hash, bool restoring) {
+    return request([&](v1::Envelope& e) {
+      e.mutable_replace_mesh()->set_file("/tmp/new.msh");
+      e.mutable_replace_mesh()->set_mesh_hash(hash);
+      e.mutable_replace_mesh()->set_restoring(restoring);
+    });
+  }
+};
+
+TEST_F(ReplacingPeer, OffersAMeshWithItsCommitAndGoesOverToIt) {
+  const wire::Message said = receive();
+  EXPECT_TRUE(said.envelope.hello().can_replace_mesh());
+  request([](v1::Envelope& e) { e.mutable_configure()->set_version(1); });
+  request([](v1::Envelope& e) { e.mutable_initialize(); });
+  begin_step();
+  EXPECT_EQ(replace("def", false).envelope.error().code(), v1::Error::WRONG_STATE);
+  iterate({0, 0, 0, 0, 0, 0});
+  const wire::Message done = request([](v1::Envelope& e) { e.mutable_commit(); });
+  EXPECT_EQ(done.envelope.done().new_mesh().file(), "/tmp/new.msh");
+  EXPECT_EQ(done.envelope.done().new_mesh().mesh_hash(), "def");
+  EXPECT_EQ(done.envelope.done().new_mesh().reason(), "worn");
+  const wire::Message replaced = replace("def", false);
+  EXPECT_EQ(replaced.envelope.replaced().mesh_node_count(), 10u);
+  EXPECT_EQ(replaced.envelope.replaced().mesh_hash(), "def");
+  EXPECT_EQ(replaced.envelope.replaced().mass_defect(), 0.1);
+  EXPECT_EQ(replaced.envelope.replaced().momentum_defect(), 0.2);
+  EXPECT_EQ(replaced.envelope.replaced().energy_defect(), 0.3);
+  EXPECT_EQ(replaced.indices.at("mesh_nodes").values, (std::vector<std::int64_t>{7, 9}));
+  EXPECT_EQ(replace("def", true).indices.at("mesh_nodes").values[0], 8);
+  begin_step();
+  EXPECT_TRUE(iterate({0, 0, 0, 0, 0, 0}).envelope.has_iterated());
+}
+
+TEST_F(ReplacingPeer, AMeshThatItCannotTakeEndsIt) {
+  bring_to_ready();
+  EXPECT_EQ(replace("other", false).envelope.error().code(), v1::Error::CONFIGURATION);
+  EXPECT_FALSE(outcome_.get().ok());
+}
+
+TEST_F(ScriptedPeer, RefusesAnotherMeshWhenItSaysSo) {
+  bring_to_ready();
+  const wire::Message refused = request([](v1::Envelope& e) { e.mutable_replace_mesh(); });
+  EXPECT_EQ(refused.envelope.error().code(), v1::Error::UNSUPPORTED);
+  EXPECT_FALSE(outcome_.get().ok());
 }
 
 TEST_F(ScriptedPeer, ChecksShapesNamesRunAndFiniteness) {

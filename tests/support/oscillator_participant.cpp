@@ -12,6 +12,7 @@
 //                               [--second-rank yes]                           [--velocity V]
 //                               [--fixed-residual R] [--checkpoints no] [--rolls-back no] [--plane yes]
 //                               [--mistake apart|quantity|nan]
+//                               [--new-mesh STEP] [--replaces-mesh yes]
 //                               [--fault KIND --at REQUEST] --connect ENDPOINT
 //                               (tests/support/faulty_solver.hpp)
 #include <chrono>
@@ -48,7 +49,9 @@ struct Options {
   bool checkpoints = true, rolls_back = true; ///< whether it can
   bool plane = false;
   std::string mistake;
-  std::vector<std::int64_t> pids; ///< this process and its second rank; empty without one
+  std::uint64_t new_mesh_step = 0; ///< a mesh mover that offers another mesh after this step
+  bool replaces_mesh = false;      ///< whether it can
+  std::vector<std::int64_t> pids;  ///< this process and its second rank; empty without one
   test::Fault fault;
 };
 
@@ -93,7 +96,10 @@ class Plate : public Solver {
       : options_(std::move(options)),
         mesh_(options_.plane ? line(n, options_.role == "structure") : plate(n)),
         across_(options_.plane ? 1 : 2) {}
-  Result<void> configure(const RunInfo&) override { return {}; }
+  Result<void> configure(const RunInfo& run) override {
+    directory_ = run.directory;
+    return {};
+  }
   Result<InterfaceMesh> initialize() override {
     if (options_.mistake == "apart")
       for (std::size_t i = 0; i < mesh_.points.size(); i += 3) mesh_.points[i] += 10;
@@ -103,6 +109,7 @@ class Plate : public Solver {
   }
   Result<void> begin_step(const StepInfo& step) override {
     dt_ = step.time_step;
+    step_ = step.step;
     refuses_ = step.step == options_.refused_step && step.attempt == 1;
     iterates_ = 0;
     return {};
@@ -120,6 +127,19 @@ class Plate : public Solver {
   Result<void> commit(bool) override {
     n_ = now_;
     return {};
+  }
+  std::optional<NewMesh> new_mesh() override {
+    if (step_ != options_.new_mesh_step) return std::nullopt;
+    std::ofstream(mesh_file()) << "two nodes in front";
+    return NewMesh{mesh_file(), "two more", "worn after so many steps"};
+  }
+  /// The other mesh has two more nodes, in front of the interface's.
+  Result<ReplacedMesh> replace_mesh(const NewMesh& mesh, bool) override {
+    if (!std::ifstream(mesh.file)) return config_error("{} is not there", mesh.file.string());
+    more_nodes_ = 2;
+    ReplacedMesh replaced{mesh_.mesh_nodes, nodes() + more_nodes_, mesh.mesh_hash, 0.01, 0.02, 0.03};
+    for (std::int64_t& node : replaced.mesh_nodes) node += 2;
+    return replaced;
   }
   Result<void> rollback() override {
     now_ = n_;
@@ -148,9 +168,11 @@ class Plate : public Solver {
     d.software = software;
     d.can_checkpoint = options_.checkpoints;
     d.can_rollback = options_.rolls_back;
+    d.can_replace_mesh = options_.replaces_mesh;
     return d;
   }
   [[nodiscard]] std::uint64_t nodes() const { return mesh_.mesh_node_count; }
+  [[nodiscard]] std::filesystem::path mesh_file() const { return directory_ / "other.msh"; }
   [[nodiscard]] FloatArray across(double value) const {
     FloatArray a{{nodes(), 3}, std::vector<double>(3 * nodes(), 0.0)};
     for (std::size_t i = across_; i < a.values.size(); i += 3) a.values[i] = value;
@@ -162,6 +184,9 @@ class Plate : public Solver {
   double dt_ = 0;
   bool refuses_ = false;
   int iterates_ = 0; ///< of the step
+  std::filesystem::path directory_;
+  std::uint64_t step_ = 0;
+  std::uint64_t more_nodes_ = 0; ///< of the mesh that replaced the first
   Motion n_, now_;
 };
 
@@ -238,7 +263,10 @@ class Mover : public Plate {
 
  protected:
   Result<IterationReport> solve(const Fields& in, Fields& out) override {
-    out["mesh_displacement"] = in.at("displacement");
+    FloatArray all = in.at("displacement");
+    all.values.insert(all.values.begin(), 3 * more_nodes_, 0.0);
+    all.shape[0] += more_nodes_;
+    out["mesh_displacement"] = std::move(all);
     return IterationReport{1, 0, true};
   }
 };
@@ -267,6 +295,8 @@ int main(int argc, char** argv) {
     if (name == "--rolls-back") options.rolls_back = std::string(argv[i + 1]) == "yes";
     if (name == "--mistake") options.mistake = argv[i + 1];
     if (name == "--plane") options.plane = std::string(argv[i + 1]) == "yes";
+    if (name == "--new-mesh") options.new_mesh_step = std::strtoull(argv[i + 1], nullptr, 10);
+    if (name == "--replaces-mesh") options.replaces_mesh = std::string(argv[i + 1]) == "yes";
     if (name == "--velocity") options.velocity = std::atof(argv[i + 1]);
     if (name == "--fixed-residual") options.fixed_residual = std::atof(argv[i + 1]);
     if (name == "--refuse-steps-above") options.refuse_steps_above = std::atof(argv[i + 1]);

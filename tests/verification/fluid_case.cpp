@@ -162,7 +162,7 @@ FieldErrors field_errors(const FluidMesh& mesh, const FlowState& state, const co
 std::vector<double> value_at(const FlowCase& flow, double x, double y, double z) {
   Settings s;
   s.probes = {{"point", {x, y, z}}};
-  const auto probes = Probes::create(s, flow.mesh());
+  const auto probes = Probes::create(s.probes, flow.mesh());
   EXPECT_TRUE(probes.ok());
   return probes->values(flow.state().u, flow.state().p, flow.settings().density);
 }

@@ -4,7 +4,7 @@
     CONNECTED --Hello--> GREETED --Configure--> CONFIGURED --Initialize--> READY
     READY --BeginStep--> IN_STEP --Iterate--> ITERATED --Iterate--> ITERATED --Commit--> READY
                          IN_STEP, ITERATED --Rollback--> READY
-    READY --Checkpoint--> READY      READY --Restore--> READY
+    READY --Checkpoint--> READY      READY --Restore--> READY      READY --ReplaceMesh--> READY
     Shutdown and Abort from anywhere; after an error that is not retryable: FAILED.
 
 The messages are documented in proto/drogue/v1/wire.proto; this is the same machine as participant/cpp.
@@ -36,6 +36,7 @@ TRANSITIONS = {
     ("ITERATED", "rollback"): "READY",
     ("READY", "checkpoint"): "READY",
     ("READY", "restore"): "READY",
+    ("READY", "replace_mesh"): "READY",
 }
 
 
@@ -64,6 +65,7 @@ class Description:
     can_rollback: bool = True
     can_checkpoint: bool = False
     variable_step: bool = True
+    can_replace_mesh: bool = False
     inputs: list = field(default_factory=list)
     outputs: list = field(default_factory=list)
 
@@ -97,6 +99,18 @@ class Report:
     inner_residual: float = 0.0
     converged: bool = True
     fixed_iterations: bool = False  # a fixed number in each call: the coupler judges inner_residual, not converged
+
+
+@dataclass
+class ReplacedMesh:
+    """What a participant holds after replace_mesh(). See Replaced in wire.proto."""
+
+    mesh_nodes: np.ndarray  # {n}: of each interface node, in the order of initialize()
+    mesh_node_count: int
+    mesh_hash: str
+    mass_defect: float = 0.0
+    momentum_defect: float = 0.0
+    energy_defect: float = 0.0
 
 
 class Solver:
@@ -133,6 +147,16 @@ class Solver:
 
     def rollback(self):
         """Back to the state at begin_step()."""
+
+    def new_mesh(self):
+        """Asked of a mesh mover after every commit: (file, mesh hash, reason) of the mesh that should take the place of
+        its own, or None. See NewMesh in wire.proto."""
+        return None
+
+    def replace_mesh(self, file, mesh_hash, restoring):
+        """Goes over to another mesh of the same domain and boundaries, between two steps; returns a ReplacedMesh. See
+        ReplaceMesh in wire.proto. `restoring`: restore() follows, and brings the state."""
+        raise NotImplementedError
 
     def checkpoint(self, directory):
         """Saves the committed state into files of any names in `directory`, which exists."""
@@ -184,6 +208,7 @@ class _Server:
                 can_rollback=d.can_rollback,
                 can_checkpoint=d.can_checkpoint,
                 variable_step=d.variable_step,
+                can_replace_mesh=d.can_replace_mesh,
                 input=d.inputs,
                 output=d.outputs,
             )
@@ -273,6 +298,23 @@ class _Server:
 
     def do_commit(self, body, request, reply):
         self.solver.commit(body.write_output)
+        mesh = self.solver.new_mesh()
+        reply.envelope.done.SetInParent()
+        if mesh is not None:
+            new = reply.envelope.done.new_mesh
+            new.file, new.mesh_hash, new.reason = str(mesh[0]), mesh[1], mesh[2]
+
+    def do_replace_mesh(self, body, request, reply):
+        self.need(self.description.can_replace_mesh, "replace its mesh")
+        mesh = self.solver.replace_mesh(body.file, body.mesh_hash, body.restoring)
+        if len(mesh.mesh_nodes) != self.nodes[FieldContract.INTERFACE_NODES]:
+            raise SolverError(f"the new mesh has {len(mesh.mesh_nodes)} interface nodes", Error.INTERNAL)
+        replaced = reply.envelope.replaced
+        replaced.mesh_node_count, replaced.mesh_hash = mesh.mesh_node_count, mesh.mesh_hash
+        replaced.mass_defect, replaced.momentum_defect = mesh.mass_defect, mesh.momentum_defect
+        replaced.energy_defect = mesh.energy_defect
+        reply.arrays["mesh_nodes"] = np.asarray(mesh.mesh_nodes, dtype=np.int64)
+        self.nodes[FieldContract.MESH_NODES] = mesh.mesh_node_count
 
     def do_rollback(self, body, request, reply):
         self.need(self.description.can_rollback, "roll back")

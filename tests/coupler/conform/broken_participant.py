@@ -133,6 +133,10 @@ class Server(sdk._Server):
             body.version = wire.VERSION
         super().do_configure(body, request, reply)
 
+    def do_replace_mesh(self, body, request, reply):
+        if FAULT != "bad_mesh":
+            super().do_replace_mesh(body, request, reply)
+
     def do_iterate(self, body, request, reply):
         if FAULT == "missing_input":
             request.arrays.setdefault("force", np.zeros((3, 3)))

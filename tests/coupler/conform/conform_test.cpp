@@ -123,6 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"resume", "resume", "step 2, iteration 1: value 0"},
                     Fault{"too_early", "resume", "aborted before Restore, it changed result.txt"},
                     Fault{"bad_checkpoint", "bad_checkpoint", "expected, got Done"},
+                    Fault{"bad_mesh", "bad_mesh", "Error UNSUPPORTED expected, got Done"},
                     Fault{"beats", "beats", "0 in the 3."},
                     Fault{"version_refused", "version_refused", "Error UNSUPPORTED expected, got Done"},
                     Fault{"malformed", "malformed", "a wrong checksum: answered with Iterated"},

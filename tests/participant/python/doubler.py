@@ -6,7 +6,17 @@ import time
 
 import numpy as np
 
-from drogue.participant import Description, InterfaceMesh, Report, Solver, SolverError, field_contract, main, report_progress
+from drogue.participant import (
+    Description,
+    InterfaceMesh,
+    ReplacedMesh,
+    Report,
+    Solver,
+    SolverError,
+    field_contract,
+    main,
+    report_progress,
+)
 
 
 class Doubler(Solver):
@@ -15,6 +25,7 @@ class Doubler(Solver):
     def describe(self):
         return Description(
             software="doubler.py",
+            can_replace_mesh=True,
             inputs=[field_contract("force", "FORCE", "INTERFACE_NODES", 3)],
             outputs=[field_contract("displacement", "DISPLACEMENT", "INTERFACE_NODES", 3)],
         )
@@ -22,6 +33,12 @@ class Doubler(Solver):
     def initialize(self):
         points = np.array([[0, 0, 0], [1, 0, 0]])
         return InterfaceMesh(points=points, lines=np.array([[1, 0]]), mesh_node_count=2, mesh_hash="abc")
+
+    def new_mesh(self):
+        return ("/tmp/new.msh", "def", "worn") if self.iterations == 1 else None
+
+    def replace_mesh(self, file, mesh_hash, restoring):
+        return ReplacedMesh(mesh_nodes=[8 if restoring else 7, 9], mesh_node_count=10, mesh_hash=mesh_hash, momentum_defect=0.2)
 
     def iterate(self, inputs):
         self.iterations += 1

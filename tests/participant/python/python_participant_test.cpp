@@ -151,6 +151,32 @@ TEST_F(PythonPeer, RunsStepsAndShutsDown) {
   shut_down();
 }
 
+TEST_F(PythonPeer, OffersAMeshWithItsCommitAndGoesOverToIt) {
+  start_doubler();
+  begin_step();
+  (void)iterate_doubler(0);
+  const wire::Message done = request([](v1::Envelope& e) { e.mutable_commit(); });
+  EXPECT_EQ(done.envelope.done().new_mesh().file(), "/tmp/new.msh");
+  EXPECT_EQ(done.envelope.done().new_mesh().mesh_hash(), "def");
+  EXPECT_EQ(done.envelope.done().new_mesh().reason(), "worn");
+  const auto replace = [&](bool restoring) {
+    return request([&](v1::Envelope& e) {
+      e.mutable_replace_mesh()->set_mesh_hash("def");
+      e.mutable_replace_mesh()->set_restoring(restoring);
+    });
+  };
+  const wire::Message replaced = replace(false);
+  EXPECT_EQ(replaced.envelope.replaced().mesh_node_count(), 10u);
+  EXPECT_EQ(replaced.envelope.replaced().mesh_hash(), "def");
+  EXPECT_EQ(replaced.envelope.replaced().momentum_defect(), 0.2);
+  EXPECT_EQ(replaced.indices.at("mesh_nodes").values, (std::vector<std::int64_t>{7, 9}));
+  EXPECT_EQ(replace(true).indices.at("mesh_nodes").values[0], 8);
+  begin_step();
+  (void)iterate_doubler(0);
+  EXPECT_FALSE(request([](v1::Envelope& e) { e.mutable_commit(); }).envelope.done().has_new_mesh());
+  shut_down();
+}
+
 TEST_F(PythonPeer, RefusesWhatDoesNotFitAndGoesOn) {
   start_doubler();
   const wire::Message early = request([](v1::Envelope& e) { e.mutable_commit(); });
