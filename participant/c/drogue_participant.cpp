@@ -45,13 +45,14 @@ class CSolver : public participant::Solver {
   explicit CSolver(const drogue_solver& solver) : c_(solver) {}
 
   participant::Description describe() override {
-    return {text(c_.software),
-            c_.can_rollback != 0,
-            c_.can_checkpoint != 0,
-            c_.variable_step != 0,
-            contract({c_.inputs, c_.input_count}),
-            contract({c_.outputs, c_.output_count}),
-            {}};
+    participant::Description d;
+    d.software = text(c_.software);
+    d.can_rollback = c_.can_rollback != 0;
+    d.can_checkpoint = c_.can_checkpoint != 0;
+    d.variable_step = c_.variable_step != 0;
+    d.inputs = contract({c_.inputs, c_.input_count});
+    d.outputs = contract({c_.outputs, c_.output_count});
+    return d;
   }
   Result<void> configure(const participant::RunInfo& run) override {
     const std::string directory = run.directory.string();
