@@ -135,9 +135,9 @@ void add_all(const LocalElements& elements, const StepData& data, const FlowPara
   const StandardCoefficients rule{parameters};
   using Kernel = Element<dim, n, time_points>;
   constexpr std::size_t nodes = dim + 1;
-  typename Kernel::Values in{}; // stresses stay zero where none are recovered
   for (std::int32_t k = 0; k < elements.batches; ++k) {
     const auto first = static_cast<std::size_t>(k) * batch_size;
+    typename Kernel::Values in;
     load<dim>(data, elements.node.data() + nodes * first, in);
     Batch r[nodes][n];
     if (jacobian != nullptr)

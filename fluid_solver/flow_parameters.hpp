@@ -12,8 +12,9 @@ struct FlowParameters {
   bool convection = true; ///< false: the equations without c . grad u, for divergence-free starts
   /// Tangent with the derivative of the advecting velocity (Newton), or with that velocity held (Picard).
   bool newton = true;
-  double tau_dt = 0;       ///< time step in tau [time]; dt unless a study of the order in time holds it
-  bool time_weight = true; ///< the time derivative of DSD/SST's test functions weighs the residual
+  double tau_dt = 0;             ///< time step in tau [time]; dt unless a study of the order in time holds it
+  bool viscous_residual = false; ///< r has the divergence of the recovered stress
+  bool time_weight = true;       ///< the time derivative of DSD/SST's test functions weighs the residual
 };
 
 } // namespace drogue::fluid

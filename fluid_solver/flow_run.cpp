@@ -87,11 +87,11 @@ Result<void> FlowRun::import_state(const io::State& file) {
   averages_.pressure.load("pressure", file, by_nodes(1));
   averages_.forces.load("forces", file, [](const std::vector<double>& v) { return v; });
   const io::StateArray* probes = file.find(probe_array);
-  if (probes == nullptr || !results_) return {};
+  if (probes == nullptr) return {};
   probe_positions_.clear();
   for (std::size_t i = 0; i + 2 < probes->values.size(); i += 3)
     probe_positions_.push_back({probes->values[i], probes->values[i + 1], probes->values[i + 2]});
-  return results_->place_probes(input_.mesh, probe_positions_);
+  return la::agree(results_ ? results_->place_probes(input_.mesh, probe_positions_) : Result<void>());
 }
 
 void FlowRun::average(const StepFigures& figures) {

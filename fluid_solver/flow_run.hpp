@@ -56,7 +56,7 @@ class FlowRun {
   finish_step(bool write_fields, double failure_tolerance = std::numeric_limits<double>::infinity());
   /// The last committed state's fields, unless they are written. @note Collective
   [[nodiscard]] Result<void> write_last_fields();
-  /// Takes over a state with its averages. Errors: as FlowSolver::import_state.
+  /// Takes over a state with its averages. Errors: as FlowSolver::import_state. @note Collective
   [[nodiscard]] Result<void> import_state(const io::State& file);
   /// @note Collective
   [[nodiscard]] Result<void> write_state(const std::filesystem::path& file);

@@ -124,6 +124,7 @@ class BlockFlowSystem final : public FlowSystem {
                    .convection = convection,
                    .newton = !settings_.newton.picard,
                    .tau_dt = settings_.tau_step.value_or(dt),
+                   .viscous_residual = settings_.viscous_residual && convection,
                    .time_weight = settings_.time_weight};
     const double u2 = reference_speed * reference_speed;
     schur_inverse_ = levels == 2 ? (1 / u2) * inverse(slab_schur_matrix(dt, settings_.time_weight))

@@ -80,10 +80,12 @@ struct Instant {
 
 /// Evaluates geometry-dependent integrals and the three residuals of the element. `rule(point, geometry, c,
 /// grad_u)` gives the coefficients. weight_in_time: 1, or the Gauss weight times dt. vary_c: whether the
-/// tangent is to have the derivative with respect to c.
+/// tangent is to have the derivative with respect to c. with_stress: whether r has the recovered stress;
+/// without, v.stress is not read.
 template <int dim, class Real, class Rule>
 inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real>& v, double weight_in_time,
-                             const Rule& rule, int point, bool vary_c, Instant<dim, Real>& s) noexcept {
+                             const Rule& rule, int point, bool vary_c, bool with_stress,
+                             Instant<dim, Real>& s) noexcept {
   constexpr int nodes = dim + 1;
   s.geometry = simplex_geometry(x);
   const auto& g = s.geometry.gradient;
@@ -109,11 +111,11 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
   s.weight = V;
 
   Real gradients[dim]; // of r: grad p - div(2 nu S), constant in the element
-  for (int d = 0; d < dim; ++d) {
-    gradients[d] = grad_p[d];
-    for (int a = 0; a < nodes; ++a)
-      for (int j = 0; j < dim; ++j) gradients[d] -= v.stress[a][stress_component(d, j)] * g[a][j];
-  }
+  for (int d = 0; d < dim; ++d) gradients[d] = grad_p[d];
+  if (with_stress)
+    for (int d = 0; d < dim; ++d)
+      for (int a = 0; a < nodes; ++a)
+        for (int j = 0; j < dim; ++j) gradients[d] -= v.stress[a][stress_component(d, j)] * g[a][j];
   Real inertia[nodes][dim]; // the rest of r, nodal
   Real inertia_sum[dim] = {};
   for (int a = 0; a < nodes; ++a)

@@ -35,10 +35,12 @@ inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, doubl
       v.a[a][d] = rate * in.w[a][d] + in.history[a][d] - in.f[a][d];
     }
     v.p[a] = in.w[a][3];
-    for (int i = 0; i < stress_components<dim>; ++i) v.stress[a][i] = in.stress[a][i];
+    if (parameters.viscous_residual)
+      for (int i = 0; i < stress_components<dim>; ++i) v.stress[a][i] = in.stress[a][i];
   }
   Instant<dim, Real> s;
-  evaluate_instant<dim>(in.x, v, 1.0, rule, 0, parameters.newton && parameters.convection, s);
+  evaluate_instant<dim>(in.x, v, 1.0, rule, 0, parameters.newton && parameters.convection,
+                        parameters.viscous_residual, s);
   for (int a = 0; a < nodes; ++a) {
     residual[a][2] = Real{};
     for (int d = 0; d < dim; ++d) residual[a][d] = s.momentum[a][d];

@@ -36,15 +36,16 @@ enum class MeshVelocity { subtracted, left_out };
 
 /// Nodal values at theta of the slab; x receives the corners.
 template <MeshVelocity mesh_velocity, int dim, class Real>
-inline void values_in_slab(const SpaceTimeValues<dim, Real>& in, double theta, double dt,
+inline void values_in_slab(const SpaceTimeValues<dim, Real>& in, double theta, double dt, bool with_stress,
                            Real x[dim + 1][dim], InstantValues<dim, Real>& v) noexcept {
   const double T0 = 1.0 - theta;
   const double T1 = theta;
   const double rate = 1.0 / dt;
   for (int a = 0; a <= dim; ++a) {
     v.p[a] = T0 * in.w[a][3] + T1 * in.w[a][7];
-    for (int i = 0; i < stress_components<dim>; ++i)
-      v.stress[a][i] = T0 * in.stress_n[a][i] + T1 * in.stress_np1[a][i];
+    if (with_stress)
+      for (int i = 0; i < stress_components<dim>; ++i)
+        v.stress[a][i] = T0 * in.stress_n[a][i] + T1 * in.stress_np1[a][i];
     for (int d = 0; d < dim; ++d) {
       x[a][d] = T0 * in.x_n[a][d] + T1 * in.x_np1[a][d];
       v.u[a][d] = T0 * in.w[a][d] + T1 * in.w[a][4 + d];
@@ -116,8 +117,9 @@ inline void space_time_element(const SpaceTimeValues<dim, Real>& in, const FlowP
     const double theta = slab.theta[point];
     Real x[nodes][dim];
     InstantValues<dim, Real> v;
-    values_in_slab<mesh_velocity>(in, theta, dt, x, v);
-    evaluate_instant<dim>(x, v, slab.weight[point] * dt, rule, point, parameters.newton, s[point]);
+    values_in_slab<mesh_velocity>(in, theta, dt, parameters.viscous_residual, x, v);
+    evaluate_instant<dim>(x, v, slab.weight[point] * dt, rule, point, parameters.newton,
+                          parameters.viscous_residual, s[point]);
     const double T[2] = {1.0 - theta, theta};
     const double D[2] = {-1.0 / dt, 1.0 / dt};
     for (int a = 0; a < nodes; ++a)

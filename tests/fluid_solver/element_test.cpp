@@ -12,7 +12,8 @@ namespace drogue::fluid {
 namespace {
 
 constexpr double corners[4][3] = {{0.1, 0, 0}, {1, 0.1, 0.05}, {0.2, 0.9, -0.1}, {0.15, 0.2, 1.1}};
-const FlowParameters parameters{.dt = 0.3, .nu = 0.02, .smagorinsky = 0.2, .lsic = true, .tau_dt = 0.3};
+const FlowParameters parameters{
+    .dt = 0.3, .nu = 0.02, .smagorinsky = 0.2, .lsic = true, .tau_dt = 0.3, .viscous_residual = true};
 
 /// Coefficients recorded at the base state: what the tangent holds constant.
 struct Frozen {

@@ -14,7 +14,7 @@
 #include "common/mesh/msh.hpp"
 #include "mesh_mover/mesh_participant.hpp"
 #include "mesh_mover/standalone.hpp"
-#include "tests/mesh_mover/box_mesh.hpp"
+#include "tests/mesh_mover/body_in_box.hpp"
 
 namespace drogue::mesh_mover {
 namespace {
@@ -35,33 +35,12 @@ step: 0.5
 steps: 3
 )";
 
-class MeshMoverRun : public testing::Test {
+class MeshMoverRun : public test::BodyInBox {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / fmt::format("drogue_mesh_mover_{}", getpid());
-    fs::create_directories(folder_);
-    const auto axis = test::graded(1, 5, 1.8);
-    auto mesh = test::box_mesh({axis, axis, axis}, [](int i, int j, int k) {
-      const auto inside = [](int a) { return a == 4 || a == 5; };
-      return inside(i) && inside(j) && inside(k);
-    });
-    auto& material = mesh.node_fields["material"];
-    material.components = 3;
-    for (const double x : mesh.points) material.values.push_back(10 * x);
-    ASSERT_TRUE(mesh::write_msh(folder_ / "box.msh", mesh).ok());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  MeshMoverRun() : BodyInBox(1.8) {}
 
-  Result<Case> load(const std::string& text, Role role = Role::alone) {
-    std::ofstream(folder_ / "mesh.textproto") << text;
-    return load_case(folder_ / "mesh.textproto", role);
-  }
-  Case valid_case() {
-    auto input = load(config_text);
-    EXPECT_TRUE(input.ok()) << input.error().message;
-    input->settings.output.directory = folder_ / "results";
-    return std::move(*input);
-  }
+  Result<Case> load(const std::string& text, Role role = Role::alone) { return load_config(text, role); }
+  Case valid_case() { return BodyInBox::valid_case(config_text); }
   /// The message of a config in which `from` is replaced by `to`.
   std::string error_of(std::string text, const std::string& from, const std::string& to,
                        Role role = Role::alone) {
@@ -70,8 +49,6 @@ class MeshMoverRun : public testing::Test {
     EXPECT_FALSE(input.ok());
     return input.ok() ? "" : input.error().message;
   }
-
-  fs::path folder_;
 };
 
 /// A participant that was initialised, with the sizes of its interface.

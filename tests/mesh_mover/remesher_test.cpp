@@ -12,7 +12,7 @@
 #include "common/mesh/msh.hpp"
 #include "mesh_mover/mesh_participant.hpp"
 #include "mesh_mover/standalone.hpp"
-#include "tests/mesh_mover/box_mesh.hpp"
+#include "tests/mesh_mover/body_in_box.hpp"
 #include "tests/mesh_mover/mover_cases.hpp"
 
 namespace drogue::mesh_mover {
@@ -35,29 +35,11 @@ remesh { mean_ratio: 0.25 }
 output { field_interval: 0 }
 )config";
 
-class Remeshing : public testing::Test {
+class Remeshing : public test::BodyInBox {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / fmt::format("drogue_remesher_{}", getpid());
-    fs::create_directories(folder_);
-    const auto axis = test::graded(1, 5, 1.4);
-    auto mesh = test::box_mesh({axis, axis, axis}, [](int i, int j, int k) {
-      const auto inside = [](int a) { return a == 4 || a == 5; };
-      return inside(i) && inside(j) && inside(k);
-    });
-    auto& material = mesh.node_fields["material"];
-    material.components = 3;
-    for (const double x : mesh.points) material.values.push_back(10 * x);
-    ASSERT_TRUE(mesh::write_msh(folder_ / "box.msh", mesh).ok());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  Case load(std::string text = config_text, Role role = Role::alone) {
-    std::ofstream(folder_ / "mesh.textproto") << text;
-    auto input = load_case(folder_ / "mesh.textproto", role);
-    EXPECT_TRUE(input.ok()) << input.error().message;
-    input->settings.output.directory = folder_ / "results";
-    return std::move(*input);
-  }
+  Remeshing() : BodyInBox(1.4) {}
+
+  Case load(const std::string& text = config_text, Role role = Role::alone) { return valid_case(text, role); }
   std::vector<fs::path> new_meshes(const fs::path& folder) {
     std::vector<fs::path> found;
     for (const auto& entry : fs::directory_iterator(folder))
@@ -65,7 +47,6 @@ class Remeshing : public testing::Test {
     std::sort(found.begin(), found.end());
     return found;
   }
-  fs::path folder_;
 };
 
 TEST_F(Remeshing, CarriesABodyOnWithANewMesh) {
