@@ -19,16 +19,20 @@ double CoupledRun::most_iterations() const {
   return n.empty() ? 0 : *std::max_element(n.begin(), n.end());
 }
 
-CoupledRun run_coupled(const std::filesystem::path& folder, std::chrono::minutes longest) {
+bool ends_well(const std::filesystem::path& folder, std::chrono::minutes longest) {
   auto coupler =
       launcher::Process::start({{std::string(DROGUE_BIN_DIR) + "/coupler", "run", "case.textproto"},
                                 {},
                                 folder,
                                 folder / "output.txt"});
   EXPECT_TRUE(coupler.ok());
-  if (!coupler.ok()) return {};
+  if (!coupler.ok()) return false;
   const auto& exit = coupler->wait(longest);
-  EXPECT_TRUE(exit.has_value() && exit->clean()) << read_text(folder / "output.txt");
+  return exit.has_value() && exit->clean();
+}
+
+CoupledRun run_coupled(const std::filesystem::path& folder, std::chrono::minutes longest) {
+  EXPECT_TRUE(ends_well(folder, longest)) << read_text(folder / "output.txt");
   return {read_csv(folder / "run/drag.csv"), read_csv(folder / "run/coupling.csv")};
 }
 

@@ -20,6 +20,9 @@ struct CoupledRun {
   [[nodiscard]] double most_iterations() const;
 };
 
+/// Runs `folder`/case.textproto; false when it does not end well. What the coupler said is in output.txt.
+[[nodiscard]] bool ends_well(const std::filesystem::path& folder, std::chrono::minutes longest);
+
 /// Runs `folder`/case.textproto, whose run directory is "run". The test fails unless the run ends well.
 [[nodiscard]] CoupledRun run_coupled(const std::filesystem::path& folder, std::chrono::minutes longest);
 

@@ -109,12 +109,17 @@ void add_face(mesh::Mesh& m, const std::string& group, std::initializer_list<int
 }
 
 /// The tetrahedra between a triangle and its copy in the next layer; neighbours cut their common side alike,
-/// because the diagonal starts at the smaller node.
+/// because the diagonal starts at the smaller node. Positive volumes above a counter-clockwise triangle.
 void add_prism(mesh::ElementBlock& block, std::array<int, 3> low, int layer) {
+  const bool turned = (low[0] < low[1]) + (low[1] < low[2]) + (low[2] < low[0]) == 1;
   std::sort(low.begin(), low.end());
   const auto [a, b, c] = low;
-  for (const int node : {a, b, c, c + layer, a, b, b + layer, c + layer, a, a + layer, b + layer, c + layer})
-    block.nodes.push_back(node);
+  const std::array<std::array<int, 4>, 3> cells = {
+      {{a, b, c, c + layer}, {a, b, c + layer, b + layer}, {a, a + layer, b + layer, c + layer}}};
+  for (auto cell : cells) {
+    if (turned) std::swap(cell[0], cell[1]);
+    block.nodes.insert(block.nodes.end(), cell.begin(), cell.end());
+  }
 }
 
 /// The two triangles between an edge and its copy, cut as add_prism does.
