@@ -228,39 +228,47 @@ double StepLoop::density_norm(std::span<const double> force) {
   return exchange_.norm(work_);
 }
 
-/// Displacement and load density as one vector; the load weighs as the first residuals of both do.
-Result<void> StepLoop::next_of_both() {
+StepLoop::Unknown StepLoop::unknown() {
+  if (settings_.loop.wall_velocity == WallVelocity::mesh_rate) return {d_, d_tilde_, v_, v_tilde_};
+  return {v_, v_tilde_, d_, d_tilde_};
+}
+
+/// The interface's unknown and load density as one vector; the load weighs as the first residuals of both do.
+Result<void> StepLoop::next_of_both(const Unknown& u) {
   const std::size_t n = d_.size();
   const std::span<const double> f_tilde = exchange_.force();
   if (load_scale_ == 0) {
     std::vector<double> change(n);
     for (std::size_t i = 0; i < n; ++i) change[i] = f_tilde[i] - f_[i];
-    const double of_load = density_norm(change), of_d = record_.residual_absolute;
-    if (!(of_load > 0 && of_d > 0)) { // nothing to weigh with: a plain step of what there is
+    const double of_load = density_norm(change);
+    for (std::size_t i = 0; i < n; ++i) work_[i] = u.h[i] - u.x[i];
+    const double of_unknown = exchange_.norm(work_);
+    if (!(of_load > 0 && of_unknown > 0)) { // nothing to weigh with: a plain step of what there is
       d_ = d_tilde_;
       v_ = v_tilde_;
       for (std::size_t i = 0; i < n; ++i) f_[i] += settings_.acceleration.relaxation * change[i];
       return {};
     }
-    load_scale_ = of_d / of_load;
+    load_scale_ = of_unknown / of_load;
   }
-  std::copy(d_.begin(), d_.end(), x_.begin());
-  std::copy(d_tilde_.begin(), d_tilde_.end(), h_.begin());
+  std::copy(u.x.begin(), u.x.end(), x_.begin());
+  std::copy(u.h.begin(), u.h.end(), h_.begin());
   for (std::size_t i = 0; i < n; ++i) {
     x_[n + i] = load_scale_ * f_[i] / weights_[i];
     h_[n + i] = load_scale_ * f_tilde[i] / weights_[i];
   }
-  if (!accelerator_->next({x_, h_, v_, v_tilde_}, x_, v_))
+  if (!accelerator_->next({x_, h_, u.x_follower, u.h_follower}, x_, u.x_follower))
     return numerical_error("the accelerator met a value that is not finite");
-  std::copy(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(n), d_.begin());
+  std::copy(x_.begin(), x_.begin() + static_cast<std::ptrdiff_t>(n), u.x.begin());
   for (std::size_t i = 0; i < n; ++i) f_[i] = x_[n + i] * weights_[i] / load_scale_;
   return {};
 }
 
 Result<void> StepLoop::next_iterate() {
+  const Unknown u = unknown();
   if (settings_.loop.scheme == Scheme::parallel) {
-    DROGUE_TRY(next_of_both());
-  } else if (!accelerator_->next({d_, d_tilde_, v_, v_tilde_}, d_, v_)) {
+    DROGUE_TRY(next_of_both(u));
+  } else if (!accelerator_->next({u.x, u.h, u.x_follower, u.h_follower}, u.x, u.x_follower)) {
     return numerical_error("the accelerator met a value that is not finite");
   }
   record_.columns = accelerator_->used_columns();

@@ -32,8 +32,11 @@ struct LoopTotals {
 ///   3 r = d~ - d; stop when ||r|| <= relative max(||d~ - d_n||, floor) or ||r|| <= absolute, and the
 ///   solvers' own
 ///     iterations have converged
-///   4 accelerate d; v by the same affine combination; go to 2
-/// In PARALLEL the structure takes in 2 the load f of the last iterate, and d and f are accelerated together.
+///   4 accelerate v, to whose change the fluid's inertia answers; d by the same affine combination; go to 2.
+///     The structure's own d~ and v~ lie on a line in every node, d~ = v~ dt / kappa + a constant of the
+///     step, but the first iterate, which is extrapolated, does not: a residual of d would leave a wrong v in
+///     the flow. Where the wall moves with d alone (MESH_RATE) d and v change places.
+/// In PARALLEL the structure takes in 2 the load f of the last iterate, and v and f are accelerated together.
 /// A residual that stalls makes the accelerator start anew, and ends the iteration when it stalls again.
 ///   5 commit, or the policy for non-convergence
 class StepLoop {
@@ -61,6 +64,10 @@ class StepLoop {
     int halvings = 0;
     bool is_last = true;
   };
+  /// What the accelerator works on, and the field that follows it.
+  struct Unknown {
+    std::vector<double>&x, &h, &x_follower, &h_follower;
+  };
   struct Outcome {
     bool converged = false;
     bool stopped = false;    ///< on request, before it converged
@@ -84,7 +91,8 @@ class StepLoop {
   void learn_added_mass(int iteration);
   [[nodiscard]] bool is_small(double first_residual) const;
   [[nodiscard]] double density_norm(std::span<const double> force);
-  [[nodiscard]] Result<void> next_of_both();
+  [[nodiscard]] Unknown unknown();
+  [[nodiscard]] Result<void> next_of_both(const Unknown& u);
   [[nodiscard]] Result<void> next_iterate();
 
   Participants& participants_;
@@ -106,8 +114,8 @@ class StepLoop {
   std::vector<double> f_;      ///< nodal forces: PARALLEL, of the iterate; SERIAL, of the last iteration
   std::vector<double> f_n_;    ///< at the end of the last step
   std::vector<double> mean_n_; ///< nodal forces as the fluid gave them, at the end of the last step
-  double load_scale_ = 0;      ///< PARALLEL: length per load, weighs d against f; 0: not known yet
-  std::vector<double> x_, h_;  ///< PARALLEL: d and scaled load densities
+  double load_scale_ = 0; ///< PARALLEL: velocity (or length) per load, weighs v against f; 0: not known yet
+  std::vector<double> x_, h_; ///< PARALLEL: v (or d) and scaled load densities
   IterationRecord record_;
   LoopTotals totals_, totals_before_; ///< now, and before the present step
   std::uint64_t results_before_ = 0;  ///< length of coupling.csv before the present step
