@@ -87,25 +87,36 @@ Result<void> Checkpoints::write_own(const fs::path& folder, std::uint64_t step, 
   return results_.save_positions(folder / positions_file);
 }
 
-Result<void> Checkpoints::restore(std::uint64_t step) {
-  const fs::path folder = store_.folder(step);
+Result<void> Checkpoints::take_up(const fs::path& folder, std::uint64_t step,
+                                  const std::optional<MeshFile>& mesh) {
   const auto state = io::read_state(folder / state_file);
   if (!state) return state.error();
   if (state->kind != state_kind || state->mesh_hash != interface_hash(participants_))
     return config_error("{} does not belong to the structure's interface: its mesh or its start has changed",
                         (folder / state_file).string());
-  const auto manifest = store_.read(step);
-  if (!manifest) return manifest.error();
-  if (manifest->mesh) {
-    const auto change = participants_.replace_mesh({step}, *manifest->mesh, true);
+  if (mesh) {
+    const auto change = participants_.replace_mesh({step}, *mesh, true);
     if (!change) return change.error();
   }
   DROGUE_TRY(participants_.restore({step}, folder));
   DROGUE_TRY(loop_.load(*state));
-  DROGUE_TRY(results_.restore_positions(folder / positions_file));
+  last_time_ = state->time;
+  return {};
+}
+
+Result<void> Checkpoints::restore(std::uint64_t step) {
+  const auto manifest = store_.read(step);
+  if (!manifest) return manifest.error();
+  DROGUE_TRY(take_up(store_.folder(step), step, manifest->mesh));
+  DROGUE_TRY(results_.restore_positions(store_.folder(step) / positions_file));
   store_.drop_after(step);
   last_step_ = step;
-  last_time_ = state->time;
+  return {};
+}
+
+Result<void> Checkpoints::start_from(const Origin& origin) {
+  DROGUE_TRY(take_up(origin.folder, origin.step, origin.mesh));
+  loop_.reset_totals();
   return {};
 }
 

@@ -7,6 +7,7 @@
 
 #include "common/base/result.hpp"
 #include "coupler/checkpoint_store.hpp"
+#include "coupler/origin.hpp"
 #include "coupler/scheme/step_loop.hpp"
 
 namespace drogue::coupler {
@@ -25,10 +26,14 @@ class Checkpoints {
   [[nodiscard]] Result<void> write(std::uint64_t step, double time);
   /// Everything as it was at the end of a step; checkpoints of later steps are removed.
   [[nodiscard]] Result<void> restore(std::uint64_t step);
+  /// Everything as it was at the end of another run; what is counted over a run starts at zero.
+  [[nodiscard]] Result<void> start_from(const Origin& origin);
 
  private:
   using Clock = std::chrono::steady_clock;
   [[nodiscard]] bool due(std::uint64_t step, double time);
+  [[nodiscard]] Result<void> take_up(const std::filesystem::path& folder, std::uint64_t step,
+                                     const std::optional<MeshFile>& mesh);
   [[nodiscard]] Result<void> write_own(const std::filesystem::path& folder, std::uint64_t step, double time);
 
   const CaseSettings& settings_;

@@ -11,7 +11,7 @@
 #include "coupler/checkpoints.hpp"
 #include "coupler/conform/conform.hpp"
 #include "coupler/conform/report.hpp"
-#include "coupler/project/project.hpp"
+#include "coupler/project/project_state.hpp"
 #include "coupler/record/replay.hpp"
 #include "coupler/run.hpp"
 #include "participant/cpp/keys.hpp"
@@ -95,7 +95,8 @@ CLI::App* add_project(CLI::App& app, ProjectCommand& c) {
       "-e,--expression", c.expression,
       "expressions of x, y, z for the three components, as \"x; y*z; 0\", or one for the first");
   field->add_option("-f,--field", c.field, "field on the nodes of FROM (NodeData of the file)");
-  command->add_option("-o,--output", c.output, "result on TO (*.vtu)")->capture_default_str();
+  field->add_option("-s,--state", c.state, "state of a structure on FROM (*.state): the result is one on TO");
+  command->add_option("-o,--output", c.output, "result on TO (*.vtu, or *.state)")->capture_default_str();
   command->add_option("--largest-gap", c.settings.largest_gap, "as projection.largest_gap of a case")
       ->capture_default_str();
   command
@@ -112,7 +113,8 @@ CLI::App* add_project(CLI::App& app, ProjectCommand& c) {
 }
 
 int project_field(const ProjectCommand& command) {
-  if (const auto outcome = project(command); !outcome) return fail(outcome.error());
+  const auto outcome = command.state.empty() ? project(command) : project_state(command);
+  if (!outcome) return fail(outcome.error());
   return 0;
 }
 

@@ -94,6 +94,7 @@ struct Case {
   const fs::path& directory;
   Start start;
   bool record = false;
+  std::optional<Origin> origin = {}; ///< of a run that goes on from another one
 };
 
 std::string how_to_resume(const fs::path& directory) {
@@ -113,13 +114,18 @@ Result<std::uint64_t> run_steps(const Case& c, Participants& participants, std::
   auto loop = StepLoop::create(participants, *exchange, *results, settings);
   if (!loop) return loop.error();
   Checkpoints checkpoints(settings, participants, *loop, *results, c.directory, std::move(inputs));
-  if (c.start.resumed) DROGUE_TRY(checkpoints.restore(c.start.step));
+  std::uint64_t done = c.start.step;
+  if (c.start.resumed) {
+    DROGUE_TRY(checkpoints.restore(done));
+  } else if (c.origin) {
+    DROGUE_TRY(checkpoints.start_from(*c.origin));
+    done = c.origin->step;
+  }
 
   stop::set_orderly(unable.empty());
   const auto start = Clock::now();
   const auto last = static_cast<std::uint64_t>(settings.steps);
-  Progress progress(settings.steps, static_cast<int>(c.start.step));
-  std::uint64_t done = c.start.step;
+  Progress progress(settings.steps, static_cast<int>(done));
   const auto time = [&](std::uint64_t step) { return static_cast<double>(step) * settings.time_step; };
   while (done < last && !stop::requested()) { // steps are counted, times are computed: no drift
     const int before = loop->totals().iterations;
@@ -130,7 +136,8 @@ Result<std::uint64_t> run_steps(const Case& c, Participants& participants, std::
     progress.step(static_cast<int>(done), time(done), loop->totals().iterations - before, loop->last());
     DROGUE_TRY(checkpoints.after_step(done, time(done)));
   }
-  if (done < last) DROGUE_TRY(checkpoints.write(done, time(done)));
+  // The end, too: a run with more steps, or another one (start_from), may go on from it.
+  if (done < last || settings.checkpoints.asked()) DROGUE_TRY(checkpoints.write(done, time(done)));
   summarise(loop->totals(), participants, std::chrono::duration<double>(Clock::now() - start).count());
   return done;
 }
@@ -205,7 +212,13 @@ Result<void> run_case(const CaseSettings& settings, bool record) {
   std::error_code ignored;
   fs::copy_file(settings.file, directory / settings.file.filename(), ignored);
   spdlog::info("case \"{}\" in {}", settings.name, directory.string());
-  return run({settings, directory, {}, record});
+  std::optional<Origin> origin;
+  if (!settings.start_from.empty()) {
+    auto kept = keep_origin(settings, directory);
+    if (!kept) return kept.error();
+    origin = std::move(*kept);
+  }
+  return run({settings, directory, {}, record, origin});
 }
 
 Result<void> resume_run(const Resume& resume) {

@@ -250,6 +250,8 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.hash = hash_of(c);
   if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);
   s.outer_boundary_follows = c.outer_boundary() == v1::FOLLOW_MEAN;
+  if (c.has_start_from())
+    s.start_from = std::filesystem::absolute(source.resolve(c.start_from())).lexically_normal();
   if (c.has_drag()) s.drag_weights = drag_weights(c.drag(), source, report);
   return s;
 }

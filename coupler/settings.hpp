@@ -92,6 +92,7 @@ struct CaseSettings {
   int restarts = 0; ///< after the death or silence of a participant, at most
   config::Expression load_factor;
   bool outer_boundary_follows = true;
+  std::filesystem::path start_from;     ///< folder of a run, absolute; empty: from the solvers' own start
   std::array<double, 3> drag_weights{}; ///< cd = weights . F; zero without a reference
   std::string hash;                     ///< of all that changes results, see CheckpointManifest.case_file
 };

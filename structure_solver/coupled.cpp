@@ -15,6 +15,7 @@ using v1::FieldContract;
 
 constexpr const char* checkpoint_file = "structure.state";
 constexpr const char* positions_file = "results.state";
+constexpr std::uint64_t first_step = 1; ///< of every coupled run, whatever it started from
 
 /// Values of a {nodes, k} array on some nodes.
 std::vector<double> gather(std::span<const double> values, std::span<const std::int32_t> nodes,
@@ -181,7 +182,8 @@ Result<void> Coupled::restore(const std::filesystem::path& directory) {
   auto state = read_state(directory / checkpoint_file, *case_.model);
   if (!state) return state.error();
   integrator_.reset(std::move(*state));
-  if (resume_) DROGUE_TRY(results_->continue_from(directory / positions_file, case_.start.step + 1));
+  DROGUE_TRY(resume_ ? results_->continue_from(directory / positions_file, first_step)
+                     : results_->open(first_step));
   advanced_ = true;
   return {};
 }

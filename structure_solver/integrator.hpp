@@ -78,6 +78,8 @@ struct Balance {
   double unbalance = 0;
   /// Sum of the reaction of each support, in the order of Model::supports [force].
   std::vector<std::array<double, 3>> reactions;
+  /// Sum of all loads but the interface's, weight and drag of bodies that are not meshed among them [force].
+  std::array<double, 3> external_force{};
 };
 
 /// Generalised-alpha with Newton's method in each step.
@@ -177,6 +179,7 @@ class Integrator {
   [[nodiscard]] double kinetic_energy(const State& state) const noexcept;
   /// Forces of the committed state: residual_ = f_int(u) - f_ext; returns the stored energy.
   double static_residual(const LoadValues& loads, std::span<const double> u);
+  std::array<double, 3> external_force(const LoadValues& loads);
   void account_for_step();
   [[nodiscard]] double work_of_damping(const LoadValues& loads);
   [[nodiscard]] double work_of_lengths() const;

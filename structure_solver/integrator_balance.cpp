@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Forces and energies of the committed state, and what goes in and out in a step.
+#include <algorithm>
 #include <cmath>
 
 #include "structure_solver/drag_assembly.hpp"
@@ -34,10 +35,21 @@ void Integrator::balance_start() {
   np1_ = n_;
 }
 
+std::array<double, 3> Integrator::external_force(const LoadValues& loads) {
+  assembler_.external_force(n_.u, loads, correction_);
+  std::fill(residual_.begin(), residual_.end(), 0.0);
+  add_drag(model_, {.displacement = n_.u, .velocity = n_.v, .time = loads.time, .factor = loads.factor},
+           residual_);
+  std::array<double, 3> sum{};
+  for (std::size_t i = 0; i < residual_.size(); ++i) sum[i % 3] += correction_[i] - residual_[i];
+  return sum;
+}
+
 Balance Integrator::balance() {
   Balance b;
   const auto loads = evaluate_loads(model_, n_.time, load_factor(n_.time));
   if (!loads) return b;
+  b.external_force = external_force(*loads);
   b.kinetic_energy = kinetic_energy(n_);
   b.strain_energy = static_residual(*loads, n_.u);
   b.ledger = n_.ledger;

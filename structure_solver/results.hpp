@@ -19,7 +19,7 @@ namespace drogue::structure {
 /// Writes the results of a run into one folder:
 ///   structure.csv     a row every series_interval steps: time, step, Newton iterations, energies and their
 ///                     balance (docs/theory.md), unbalance, stresses, tensions, momentum sum of m v,
-///                     weight sum of m g, reactions, forces of line groups
+///                     weight sum of m g, sum of all loads but the fluid's, reactions, forces of line groups
 ///   probes.csv        displacement, velocity and acceleration of each probe
 ///   structure_N.vtu, structure.pvd   every field_interval steps, on the current positions: displacement,
 ///   velocity,
@@ -29,6 +29,9 @@ namespace drogue::structure {
 class Results {
  public:
   Results(const Settings& settings, const Model& model, std::filesystem::path directory);
+
+  /// Starts the files of a run whose first step is given; without, the first step that is written does.
+  [[nodiscard]] Result<void> open(std::uint64_t first_step, io::Existing existing = io::Existing::replace);
 
   /// A committed step, for the output.
   struct Step {
@@ -48,7 +51,6 @@ class Results {
   [[nodiscard]] Result<void> continue_from(const std::filesystem::path& file, std::uint64_t first_step);
 
  private:
-  [[nodiscard]] Result<void> open(std::uint64_t first_step, io::Existing existing = io::Existing::replace);
   [[nodiscard]] io::ResultFiles files();
   [[nodiscard]] Result<void> row(const Step& step);
   [[nodiscard]] std::vector<std::string> series_columns() const;

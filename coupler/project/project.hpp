@@ -16,6 +16,8 @@ struct ProjectCommand {
   std::string expression;
   /// A nodal field of the mesh `from` with one or three components, instead of an expression.
   std::string field;
+  /// The state of a structure on the mesh `from`, instead of either (project_state.hpp).
+  std::filesystem::path state;
   std::filesystem::path output = "projected.vtu";
   projection::Settings settings;
 };

@@ -52,6 +52,7 @@ class StepLoop {
   /// Errors (ErrorKind::config): an array is missing, or does not fit.
   [[nodiscard]] Result<void> load(const io::State& state);
   [[nodiscard]] const LoopTotals& totals() const { return totals_; }
+  void reset_totals() { totals_ = {}; }
   [[nodiscard]] const IterationRecord& last() const { return record_; }
 
  private:

@@ -198,8 +198,8 @@ TEST(Resume, ACheckpointIsWrittenOnDemand) {
 
 TEST(Resume, OldCheckpointsAreRemoved) {
   const auto folder = partial_run({.steps = 9, .extra = "checkpoints { time: 0.04 keep: 3 }"}, 9);
-  for (const int step : {1, 2, 3, 5, 7, 9}) EXPECT_FALSE(has_checkpoint(folder, step)) << step;
-  for (const int step : {4, 6, 8}) EXPECT_TRUE(has_checkpoint(folder, step)) << step;
+  for (const int step : {1, 2, 3, 4, 5, 7}) EXPECT_FALSE(has_checkpoint(folder, step)) << step;
+  for (const int step : {6, 8, 9}) EXPECT_TRUE(has_checkpoint(folder, step)) << step; // 9: the end
 }
 
 TEST(Resume, WallClockTimeAsksForCheckpointsToo) {
@@ -297,6 +297,59 @@ TEST(Resume, IsRefusedWithoutACheckpointAndWhileTheRunGoesOn) {
   EXPECT_NE(output(folder).find(fmt::format("another coupler (pid {}) runs in", coupler.pid())),
             std::string::npos)
       << output(folder);
+}
+
+/// The rows of a .csv file, as text.
+std::vector<std::string> lines_of(const fs::path& file) {
+  std::istringstream text(read_text(file));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(StartFrom, GoesOnFromTheEndOfAnotherRun) {
+  OscillatorCase c = with_new_mesh("--replaces-mesh yes");
+  const std::string expected = undisturbed(c).at("drag.csv"); // 8 steps
+  const auto earlier = fresh_folder("earlier");
+  c.steps = 5; // no multiple of the interval: the end is kept in any case
+  write_case(earlier, c);
+  ASSERT_EQ(run_coupler_with(earlier, {"run", "case.textproto"}), 0) << output(earlier);
+
+  const auto folder = fresh_folder("run");
+  c.steps = 8;
+  c.extra += fmt::format(" start_from: '{}'", (earlier / "run").string());
+  write_case(folder, c);
+  ASSERT_EQ(run_coupler_with(folder, {"run", "case.textproto"}), 0) << output(folder);
+  EXPECT_NE(output(folder).find("goes on from step 5"), std::string::npos) << output(folder);
+  const auto rest = lines_of(folder / "run/drag.csv");
+  ASSERT_EQ(rest.size(), 1u + 3u);
+  for (std::size_t row = 1; row < rest.size(); ++row)
+    EXPECT_NE(expected.find(rest[row]), std::string::npos) << rest[row];
+  fs::remove_all(earlier);
+  c.steps = 9;
+  write_case(folder, c);
+  ASSERT_EQ(run_coupler_with(folder, {"resume", "run"}), 0) << output(folder);
+  EXPECT_EQ(lines_of(folder / "run/drag.csv").size(), 1u + 4u);
+}
+
+TEST(StartFrom, SaysWhyItCannot) {
+  const auto earlier = fresh_folder("earlier");
+  OscillatorCase c{.steps = 4, .extra = "checkpoints { steps: 2 }"};
+  write_case(earlier, c);
+  ASSERT_EQ(run_coupler_with(earlier, {"run", "case.textproto"}), 0) << output(earlier);
+  const auto refused = [&](const OscillatorCase& asked, const std::string& words) {
+    const auto folder = fresh_folder("run");
+    write_case(folder, asked);
+    EXPECT_EQ(run_coupler_with(folder, {"run", "case.textproto"}), 2);
+    EXPECT_NE(output(folder).find(words), std::string::npos) << output(folder);
+  };
+  c.extra += fmt::format(" start_from: '{}'", (earlier / "run").string());
+  refused(c, "has done 4 steps already; time.steps, which counts them in, is 4");
+  c.steps = 6;
+  c.time_step = 0.01;
+  refused(c, "its step is not the 0.01 of this case");
+  c.extra = " start_from: 'nowhere'";
+  refused(c, "nowhere holds no checkpoint");
 }
 
 TEST(Resume, CheckpointsNeedParticipantsThatCanGiveThem) {

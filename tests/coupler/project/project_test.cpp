@@ -4,8 +4,10 @@
 
 #include <regex>
 
+#include "common/io/state_file.hpp"
 #include "common/mesh/msh.hpp"
 #include "coupler/launcher/process.hpp"
+#include "parachute_mesher/structure_mesh.hpp"
 #include "tests/coupler/projection/surfaces.hpp"
 #include "tests/support/coupled_case.hpp"
 
@@ -110,6 +112,83 @@ TEST_F(Project, RefusesWhatDoesNotFit) {
   EXPECT_EQ(run({"plate.msh", "bent.msh", "-e", "1/(x-x); 2; 3"}), 2);
   EXPECT_TRUE(says("not finite")) << text_;
   EXPECT_EQ(run({"plate.msh", "bent.msh"}), 2);
+}
+
+/// A flat extended skirt with all its lines, and a state of it.
+class ProjectState : public Project {
+ protected:
+  static mesh::Mesh canopy(ElementKind kind, parachute::Subdivision rows) {
+    const parachute::Canopy cloth{.diameter = 10, .vent_ratio = 0.1, .skirt_ratio = 0.1, .gores = 12};
+    const parachute::Rigging lines{
+        .line_length = 12, .line_elements = 5, .vent_elements = 2, .confluence_distance = 0.5};
+    return parachute::structure_mesh(
+        cloth, lines, {.file = {}, .element = kind, .rows = parachute::cloth_rows(cloth, rows)});
+  }
+  void write(const std::string& name, const mesh::Mesh& m,
+             const std::function<Point(const Point&)>& f) const {
+    ASSERT_TRUE(mesh::write_msh(folder_ / (name + ".msh"), m).ok());
+    const auto read = mesh::read_msh(folder_ / (name + ".msh"));
+    ASSERT_TRUE(read.ok());
+    std::vector<double> u, zero(m.points.size(), 0.0), ones(m.points.size(), 1.0);
+    for (std::size_t i = 0; i < m.points.size(); i += 3)
+      for (const double value : f({m.points[i], m.points[i + 1], m.points[i + 2]})) u.push_back(value);
+    io::State state{"structure", mesh::hash(*read), 1.5, 7, {}};
+    const std::vector<std::uint64_t> shape{m.points.size() / 3, 3};
+    state.add("displacement", shape, u);
+    state.add("velocity", shape, ones);
+    state.add("acceleration", shape, zero);
+    ASSERT_TRUE(io::write_state(folder_ / (name + ".state"), state).ok());
+  }
+};
+
+TEST_F(ProjectState, CarriesClothAndLinesToAnotherMesh) {
+  // Bilinear: Q9 and the fine T3 of this pattern differ little, lines not at all where they are linear.
+  const auto f = [](const Point& x) { return Point{1 + 0.1 * x[0], 0.2 * x[1] - 0.1 * x[2], 0.3 * x[2]}; };
+  const mesh::Mesh to =
+      canopy(ElementKind::quad9,
+             {.main_rows = 5, .skirt_rows = 1, .across_vent = 2, .across_seam = 2, .across_skirt = 2});
+  write("from",
+        canopy(ElementKind::tri3,
+               {.main_rows = 12, .skirt_rows = 3, .across_vent = 1, .across_seam = 4, .across_skirt = 4}),
+        f);
+  write("to", to, f);
+  ASSERT_EQ(run({"from.msh", "to.msh", "--state", "from.state", "--output", "out.state"}), 0) << text_;
+  EXPECT_LT(number("displacement:"), 1e-3) << text_;
+  const auto made = io::read_state(folder_ / "out.state"), expected = io::read_state(folder_ / "to.state");
+  ASSERT_TRUE(made.ok() && expected.ok());
+  EXPECT_EQ(made->mesh_hash, expected->mesh_hash);
+  EXPECT_EQ(made->time, 1.5);
+  EXPECT_EQ(made->step, 7u);
+  EXPECT_LT(relative_error(made->find("displacement")->values, expected->find("displacement")->values), 1e-3);
+  EXPECT_LT(largest_difference(made->find("velocity")->values, expected->find("velocity")->values), 1e-12);
+  EXPECT_EQ(largest_difference(made->find("acceleration")->values, expected->find("acceleration")->values),
+            0);
+  for (const std::int32_t node : to.nodes_of("confluence"))
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t i = 3 * static_cast<std::size_t>(node) + c;
+      EXPECT_NEAR(made->find("displacement")->values[i], expected->find("displacement")->values[i], 1e-12);
+    }
+}
+
+TEST_F(ProjectState, RefusesWhatDoesNotFit) {
+  const auto still = [](const Point&) { return Point{}; };
+  const parachute::Subdivision rows{
+      .main_rows = 4, .skirt_rows = 1, .across_vent = 2, .across_seam = 2, .across_skirt = 2};
+  mesh::Mesh a = canopy(ElementKind::quad9, rows), b = canopy(ElementKind::tri3, rows), far = a;
+  write("a", a, still);
+  write("b", b, still);
+  EXPECT_EQ(run({"a.msh", "b.msh", "--state", "b.state"}), 2);
+  EXPECT_TRUE(says("belongs to another mesh")) << text_;
+  for (mesh::ElementBlock& block : b.blocks)
+    if (block.group == "vent_lines") block.group = "strings";
+  write("b", b, still);
+  EXPECT_EQ(run({"a.msh", "b.msh", "--state", "a.state"}), 2);
+  EXPECT_TRUE(says("has no lines \"strings\"")) << text_;
+  for (const std::int32_t node : far.nodes_of("confluence"))
+    far.points[3 * static_cast<std::size_t>(node) + 2] -= 4;
+  write("far", far, still);
+  EXPECT_EQ(run({"a.msh", "far.msh", "--state", "a.state"}), 2);
+  EXPECT_TRUE(says("from the lines of that name")) << text_;
 }
 
 } // namespace
