@@ -20,13 +20,30 @@ constexpr double wear = 0.5;
 /// Elements this near to a limit, as a part of it, are replaced with those beyond.
 constexpr double margin = 0.8;
 
-meshing::QualitySummary quality_of(const FluidMesh& mesh, const std::vector<double>& x) {
+std::vector<meshing::Point> points_of(const std::vector<double>& x) {
   std::vector<meshing::Point> points;
-  std::vector<meshing::Tet> tets;
   for (std::size_t i = 0; i < x.size(); i += 3) points.emplace_back(x[i], x[i + 1], x[i + 2]);
-  for (std::int32_t e = 0; e < mesh.cell_count(); ++e)
-    std::copy_n(mesh.cell(e).begin(), 4, tets.emplace_back().begin());
-  return meshing::summarise_quality(points, tets);
+  return points;
+}
+
+/// Mean ratio and smallest angle of a cell.
+RemeshSettings shape_of(const std::vector<meshing::Point>& x, std::span<const std::int32_t> cell) {
+  if (cell.size() == 3) {
+    const meshing::Triangle t{cell[0], cell[1], cell[2]};
+    return {meshing::mean_ratio(x, t), meshing::smallest_angle(x, t)};
+  }
+  const meshing::Tet tet{cell[0], cell[1], cell[2], cell[3]};
+  return {meshing::mean_ratio(x, tet), meshing::smallest_dihedral_angle(x, tet)};
+}
+
+RemeshSettings worst_shape(const FluidMesh& mesh, const std::vector<double>& x) {
+  const std::vector<meshing::Point> points = points_of(x);
+  RemeshSettings worst{1, 180};
+  for (std::int32_t e = 0; e < mesh.cell_count(); ++e) {
+    const RemeshSettings shape = shape_of(points, mesh.cell(e));
+    worst = {std::min(worst.mean_ratio, shape.mean_ratio), std::min(worst.angle, shape.angle)};
+  }
+  return worst;
 }
 
 /// Rank 0's text on every rank. @note Collective
@@ -40,12 +57,12 @@ void broadcast(std::string& text) {
 } // namespace
 
 std::string FlowRemesher::trouble(const std::vector<double>& x) const {
-  const meshing::QualitySummary q = quality_of(input_.mesh, x);
+  const RemeshSettings worst = worst_shape(input_.mesh, x);
   const auto [mean_ratio, angle] = limits();
-  if (q.smallest_mean_ratio < mean_ratio)
-    return fmt::format("the worst mean ratio is {:.3g} (limit {:.3g})", q.smallest_mean_ratio, mean_ratio);
-  if (q.smallest_angle < angle)
-    return fmt::format("the smallest angle is {:.3g} degrees (limit {:.3g})", q.smallest_angle, angle);
+  if (worst.mean_ratio < mean_ratio)
+    return fmt::format("the worst mean ratio is {:.3g} (limit {:.3g})", worst.mean_ratio, mean_ratio);
+  if (worst.angle < angle)
+    return fmt::format("the smallest angle is {:.3g} degrees (limit {:.3g})", worst.angle, angle);
   return {};
 }
 
@@ -54,18 +71,18 @@ RemeshSettings FlowRemesher::limits() const {
           std::min(input_.settings.remesh->angle, worn_.angle)};
 }
 
-/// 1 at the nodes of elements near or beyond a limit.
-mesh::NodeField FlowRemesher::worn(const mesh::Mesh& file) const {
-  const meshing::TetMesh m = meshing::from_mesh(file);
+/// 1 at the nodes, in the file's order, of elements near or beyond a limit; `x` in the solver's.
+mesh::NodeField FlowRemesher::worn(const std::vector<double>& x) const {
+  const std::vector<meshing::Point> points = points_of(x);
   const RemeshSettings l = limits();
-  mesh::NodeField field{1, std::vector<double>(m.points.size(), 0.0)};
-  for (meshing::Tet tet : m.tets) {
-    if (meshing::volume(m.points, tet) < 0) std::swap(tet[0], tet[1]);
-    if (meshing::mean_ratio(m.points, tet) * margin < l.mean_ratio ||
-        meshing::smallest_dihedral_angle(m.points, tet) * margin < l.angle)
-      for (const std::int32_t node : tet) field.values[static_cast<std::size_t>(node)] = 1;
+  std::vector<double> nodes(points.size(), 0.0);
+  for (std::int32_t e = 0; e < input_.mesh.cell_count(); ++e) {
+    const auto cell = input_.mesh.cell(e);
+    const RemeshSettings shape = shape_of(points, cell);
+    if (shape.mean_ratio * margin < l.mean_ratio || shape.angle * margin < l.angle)
+      for (const std::int32_t node : cell) nodes[static_cast<std::size_t>(node)] = 1;
   }
-  return field;
+  return {1, input_.mesh.reordered_to_file(nodes, 1)};
 }
 
 Result<std::string> FlowRemesher::make(const FlowState& state, std::span<const double> start,
@@ -78,7 +95,7 @@ Result<std::string> FlowRemesher::make(const FlowState& state, std::span<const d
   for (std::size_t i = 0; i < u.size(); ++i) u[i] -= start[i];
   old.node_fields[start_displacement_name] = {3, mesh.reordered_to_file(u, 3)};
   old.points = mesh.reordered_to_file(state.x, 3);
-  old.node_fields[meshing::worn_field_name] = worn(old);
+  old.node_fields[meshing::worn_field_name] = worn(state.x);
   if (!program_.empty()) {
     const auto made = meshing::remesh_in_process(program_, old, file);
     return made ? Result<std::string>(mesh::hash(*made)) : made.error();
@@ -113,15 +130,15 @@ Result<bool> FlowRemesher::after_step(FlowRun& run, std::span<const double> star
   const std::int32_t nodes_before = input_.mesh.node_count();
   const auto defects = run.replace_mesh(file, hash, false);
   if (!defects) return defects.error();
-  const meshing::QualitySummary q = quality_of(input_.mesh, input_.mesh.points);
-  worn_ = {wear * q.smallest_mean_ratio, wear * q.smallest_angle};
+  const RemeshSettings fresh = worst_shape(input_.mesh, input_.mesh.points);
+  worn_ = {wear * fresh.mean_ratio, wear * fresh.angle};
   if (la::rank() == 0)
     spdlog::info(
         "step {}: {}: new mesh {}, {} nodes in place of {}, worst mean ratio {:.3g}, smallest angle {:.3g} "
         "degrees; carried over with a change of {:.2e} of the flux, {:.2e} of the momentum, {:.2e} of the "
         "energy",
-        step, reason, file.string(), input_.mesh.node_count(), nodes_before, q.smallest_mean_ratio,
-        q.smallest_angle, defects->mass, defects->momentum, defects->energy);
+        step, reason, file.string(), input_.mesh.node_count(), nodes_before, fresh.mean_ratio, fresh.angle,
+        defects->mass, defects->momentum, defects->energy);
   return true;
 }
 

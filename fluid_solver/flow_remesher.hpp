@@ -28,7 +28,7 @@ class FlowRemesher {
 
  private:
   [[nodiscard]] RemeshSettings limits() const;
-  [[nodiscard]] mesh::NodeField worn(const mesh::Mesh& file) const;
+  [[nodiscard]] mesh::NodeField worn(const std::vector<double>& x) const;
   [[nodiscard]] std::string trouble(const std::vector<double>& x) const;
   [[nodiscard]] Result<std::string> make(const FlowState& state, std::span<const double> start,
                                          const std::filesystem::path& file) const;

@@ -57,8 +57,6 @@ Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file, Role 
   }
   input->mesh = std::move(*made);
   check_against_mesh(s, input->mesh, report);
-  if (s.remesh && input->mesh.dimension == 2)
-    report.error(s.source.where("remesh"), "the mesh is two-dimensional: only tetrahedra are meshed anew");
   if (const auto probes = Probes::create(s.probes, input->mesh); !probes)
     report.error(s.source.where("probe"), probes.error().message);
   if (!report.ok()) return report.as_error();

@@ -38,8 +38,7 @@ Result<void> FluidParticipant::order(Order::Kind kind, std::vector<double> numbe
 participant::Description FluidParticipant::describe() {
   participant::Description d;
   d.software = "fluid_solver 0.1.0";
-  d.can_rollback = d.can_checkpoint = d.variable_step = true;
-  d.can_replace_mesh = input_.mesh.dimension == 3;
+  d.can_rollback = d.can_checkpoint = d.variable_step = d.can_replace_mesh = true;
   using participant::field;
   d.inputs = {field("mesh_displacement", FieldContract::DISPLACEMENT, FieldContract::MESH_NODES, 3),
               field("velocity", FieldContract::VELOCITY, FieldContract::INTERFACE_NODES, 3),

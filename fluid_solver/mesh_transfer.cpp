@@ -32,24 +32,35 @@ std::vector<std::int32_t> boundary_nodes(const FluidMesh& mesh) {
   return nodes;
 }
 
-double determinant(std::span<const double> x, std::span<const std::int32_t> cell) {
-  double e[3][3];
-  for (std::size_t a = 0; a < 3; ++a)
-    for (std::size_t d = 0; d < 3; ++d) e[a][d] = x[3 * at(cell[a + 1]) + d] - x[3 * at(cell[0]) + d];
-  return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
-         e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+/// Barycentric coordinates of quadrature points in a cell, and their weights, which add up to 1.
+template <std::size_t D>
+struct CellPoint {
+  std::array<double, D + 1> N;
+  double weight = 0;
+};
+template <std::size_t D>
+std::vector<CellPoint<D>> cell_rule() {
+  std::vector<CellPoint<D>> points;
+  if constexpr (D == 2)
+    for (const auto& q : fem::surface_quadrature(mesh::ElementKind::tri3, quadrature_degree))
+      points.push_back({{1 - q.xi - q.eta, q.xi, q.eta}, 2 * q.weight});
+  else
+    for (const auto& q : fem::volume_quadrature(mesh::ElementKind::tet4, quadrature_degree))
+      points.push_back({{1 - q.xi[0] - q.xi[1] - q.xi[2], q.xi[0], q.xi[1], q.xi[2]}, 6 * q.weight});
+  return points;
 }
 
-/// The mass matrix between new nodes, int N_a N_b = V/20 (1 + delta_ab) a cell, element by element.
+/// The mass matrix between new nodes, element by element: of a cell with n nodes
+///   int N_a N_b = V (1 + delta_ab) / (n (n + 1)).
 class FreeMass {
  public:
   FreeMass(const FluidMesh& mesh, const std::vector<char>& is_kept)
       : mesh_(mesh), is_kept_(is_kept), lumped_(at(mesh.node_count()), 0.0) {
     for (std::int32_t e = 0; e < mesh.cell_count(); ++e) {
-      const double V = determinant(mesh.points, mesh.cell(e)) / 6;
+      const double V = cell_geometry(mesh, mesh.points, e).volume;
       volume_.push_back(V);
-      for (const std::int32_t node : mesh.cell(e)) lumped_[at(node)] += V / 4;
+      for (const std::int32_t node : mesh.cell(e))
+        lumped_[at(node)] += V / static_cast<double>(mesh.cell_nodes());
     }
   }
   /// int N_a.
@@ -57,9 +68,10 @@ class FreeMass {
   /// y = M x, zero at kept nodes.
   void apply(const std::vector<double>& x, std::size_t width, std::vector<double>& y) const {
     std::fill(y.begin(), y.end(), 0.0);
+    const auto n = static_cast<double>(mesh_.cell_nodes());
     for (std::int32_t e = 0; e < mesh_.cell_count(); ++e) {
       const auto cell = mesh_.cell(e);
-      const double m = volume_[at(e)] / 20;
+      const double m = volume_[at(e)] / (n * (n + 1));
       for (std::size_t k = 0; k < width; ++k) {
         double sum = 0;
         for (const std::int32_t node : cell) sum += x[width * at(node) + k];
@@ -119,8 +131,6 @@ class FreeMass {
 MeshTransfer::MeshTransfer(const FluidMesh& from, std::span<const double> x, const FluidMesh& to)
     : from_(from), to_(to), is_kept_(at(to.node_count()), 0) {
   for (std::size_t i = 0; i < x.size(); i += 3) points_.emplace_back(x[i], x[i + 1], x[i + 2]);
-  for (std::int32_t e = 0; e < from.cell_count(); ++e)
-    std::copy_n(from.cell(e).begin(), 4, tets_.emplace_back().begin());
 }
 
 /// Pairs the boundary's nodes in their order, and the others that the file says were there before.
@@ -151,8 +161,8 @@ Result<void> MeshTransfer::pair_nodes(std::span<const double> x) {
 
 Result<MeshTransfer> MeshTransfer::create(const FluidMesh& from, std::span<const double> x,
                                           const FluidMesh& to) {
-  if (from.dimension != 3 || to.dimension != 3)
-    return config_error("a flow is carried over between meshes of tetrahedra only");
+  if (from.dimension != to.dimension)
+    return config_error("the new mesh has {} dimensions, the old one {}", to.dimension, from.dimension);
   MeshTransfer t(from, x, to);
   DROGUE_TRY(t.pair_nodes(x));
   return t;
@@ -166,49 +176,67 @@ std::vector<double> MeshTransfer::at_kept_nodes(std::span<const double> values, 
   return out;
 }
 
+template <std::size_t D>
+std::vector<std::array<std::int32_t, D + 1>> MeshTransfer::old_cells() const {
+  std::vector<std::array<std::int32_t, D + 1>> cells(at(from_.cell_count()));
+  for (std::size_t e = 0; e < cells.size(); ++e)
+    std::copy_n(from_.cell(static_cast<std::int32_t>(e)).begin(), D + 1, cells[e].begin());
+  return cells;
+}
+
 std::vector<double> MeshTransfer::interpolated(std::span<const double> values, int components) const {
-  const auto width = static_cast<std::size_t>(components);
-  const meshing::TetLocator locator(points_, tets_);
   std::vector<double> out = at_kept_nodes(values, components);
-  meshing::TetPlace place;
-  for (std::size_t i = 0; i < is_kept_.size(); ++i) {
-    if (is_kept_[i]) continue;
-    const double* x = to_.points.data() + 3 * i;
-    place = locator.find({x[0], x[1], x[2]}, place.tet);
-    if (place.tet < 0) continue;
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t k = 0; k < width; ++k)
-        out[width * i + k] += place.weight[a] * values[width * at(tets_[at(place.tet)][a]) + k];
-  }
+  const auto width = static_cast<std::size_t>(components);
+  from_.dimension == 2 ? interpolate<2>(values, width, out) : interpolate<3>(values, width, out);
   return out;
 }
 
-Result<std::vector<double>> MeshTransfer::load(std::span<const double> values, int components) const {
-  const auto width = static_cast<std::size_t>(components);
-  const meshing::TetLocator locator(points_, tets_);
-  const auto rule = fem::volume_quadrature(mesh::ElementKind::tet4, quadrature_degree);
+/// Fills in the new nodes.
+template <std::size_t D>
+void MeshTransfer::interpolate(std::span<const double> values, std::size_t width,
+                               std::vector<double>& out) const {
+  const auto cells = old_cells<D>();
+  const meshing::SimplexLocator<D> locator(points_, cells);
+  meshing::SimplexPlace<D> place;
+  for (std::size_t i = 0; i < is_kept_.size(); ++i) {
+    if (is_kept_[i]) continue;
+    const double* x = to_.points.data() + 3 * i;
+    place = locator.find({x[0], x[1], x[2]}, place.cell);
+    if (place.cell < 0) continue;
+    for (std::size_t a = 0; a <= D; ++a)
+      for (std::size_t k = 0; k < width; ++k)
+        out[width * i + k] += place.weight[a] * values[width * at(cells[at(place.cell)][a]) + k];
+  }
+}
+
+/// int N_a u_old for the new nodes, over the cells that have one.
+template <std::size_t D>
+Result<std::vector<double>> MeshTransfer::load(std::span<const double> values, std::size_t width) const {
+  const auto cells = old_cells<D>();
+  const meshing::SimplexLocator<D> locator(points_, cells);
+  const auto rule = cell_rule<D>();
   std::vector<double> b(width * at(to_.node_count()), 0.0), u(width);
-  meshing::TetPlace place;
+  meshing::SimplexPlace<D> place;
   for (std::int32_t e = 0; e < to_.cell_count(); ++e) {
     const auto cell = to_.cell(e);
     if (std::all_of(cell.begin(), cell.end(), [&](std::int32_t node) { return is_kept_[at(node)] != 0; }))
       continue;
-    const double J = determinant(to_.points, cell);
-    for (const fem::VolumePoint& q : rule) {
-      const double N[4] = {1 - q.xi[0] - q.xi[1] - q.xi[2], q.xi[0], q.xi[1], q.xi[2]};
+    const double V = cell_geometry(to_, to_.points, e).volume;
+    for (const CellPoint<D>& q : rule) {
       meshing::Point x = meshing::Point::Zero();
-      for (std::size_t a = 0; a < 4; ++a)
-        for (int d = 0; d < 3; ++d) x[d] += N[a] * to_.points[3 * at(cell[a]) + static_cast<std::size_t>(d)];
-      place = locator.find(x, place.tet);
+      for (std::size_t a = 0; a <= D; ++a)
+        for (int d = 0; d < 3; ++d)
+          x[d] += q.N[a] * to_.points[3 * at(cell[a]) + static_cast<std::size_t>(d)];
+      place = locator.find(x, place.cell);
       if (place.smallest() < outside)
         return numerical_error("({:.6g}, {:.6g}, {:.6g}) of the new mesh lies outside the old one", x[0],
                                x[1], x[2]);
       std::fill(u.begin(), u.end(), 0.0);
-      for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t a = 0; a <= D; ++a)
         for (std::size_t k = 0; k < width; ++k)
-          u[k] += place.weight[a] * values[width * at(tets_[at(place.tet)][a]) + k];
-      for (std::size_t a = 0; a < 4; ++a)
-        for (std::size_t k = 0; k < width; ++k) b[width * at(cell[a]) + k] += q.weight * J * N[a] * u[k];
+          u[k] += place.weight[a] * values[width * at(cells[at(place.cell)][a]) + k];
+      for (std::size_t a = 0; a <= D; ++a)
+        for (std::size_t k = 0; k < width; ++k) b[width * at(cell[a]) + k] += q.weight * V * q.N[a] * u[k];
     }
   }
   return b;
@@ -216,7 +244,7 @@ Result<std::vector<double>> MeshTransfer::load(std::span<const double> values, i
 
 Result<std::vector<double>> MeshTransfer::projected(std::span<const double> values, int components) const {
   const auto width = static_cast<std::size_t>(components);
-  auto b = load(values, components);
+  auto b = from_.dimension == 2 ? load<2>(values, width) : load<3>(values, width);
   if (!b) return b;
   const FreeMass mass(to_, is_kept_);
   // 1. what the kept values contribute goes to the right-hand side

@@ -5,18 +5,18 @@
 #include <vector>
 
 #include "common/base/result.hpp"
-#include "common/meshing/tet_locator.hpp"
+#include "common/meshing/simplex_locator.hpp"
 #include "fluid_solver/fluid_mesh.hpp"
 
 namespace drogue::fluid {
 
-/// Carries nodal fields from one mesh of tetrahedra to another one of the same domain with the same boundary
-/// triangulation. Nodes that both have keep their values: those of the boundary, the k-th of the one (in the
-/// order of its file) being the k-th of the other, and those that the new file's field "previous"
-/// (common/meshing/remesh.hpp) names.
+/// Carries nodal fields from one mesh to another one of the same domain with the same boundary triangulation
+/// (in the plane: division of the boundary into edges). Nodes that both have keep their values: those of the
+/// boundary, the k-th of the one (in the order of its file) being the k-th of the other, and those that the
+/// new file's field "previous" (common/meshing/remesh.hpp) names.
 class MeshTransfer {
  public:
-  /// All three must outlive this. Errors (ErrorKind::config): the boundaries differ, or the meshes are plane.
+  /// All three must outlive this. Errors (ErrorKind::config): the boundaries or dimensions differ.
   /// @param x {n, 3}: where the nodes of `from` are; those of `to` are at to.points
   [[nodiscard]] static Result<MeshTransfer> create(const FluidMesh& from, std::span<const double> x,
                                                    const FluidMesh& to);
@@ -28,21 +28,25 @@ class MeshTransfer {
 
   /// The field nearest to the old one among those that equal it at kept nodes and have its integral:
   ///   int w_a (u_new - u_old) = lambda int w_a   for all new nodes a,   int (u_new - u_old) = 0,
-  /// the first integral by 14 points in each new tetrahedron, the last one exactly; lambda, a constant for
-  /// each component, is the quadrature's error. Linear fields are reproduced to rounding. Errors
-  /// (ErrorKind::numerical): a quadrature point lies in no old tetrahedron; conjugate gradients do not
+  /// the first integral by 14 points in each new tetrahedron (7 in a triangle), the last one exactly; lambda,
+  /// a constant for each component, is the quadrature's error. Linear fields are reproduced to rounding.
+  /// Errors (ErrorKind::numerical): a quadrature point lies in no old cell; conjugate gradients do not
   /// converge.
   [[nodiscard]] Result<std::vector<double>> projected(std::span<const double> values, int components) const;
 
  private:
   MeshTransfer(const FluidMesh& from, std::span<const double> x, const FluidMesh& to);
   [[nodiscard]] Result<void> pair_nodes(std::span<const double> x);
-  [[nodiscard]] Result<std::vector<double>> load(std::span<const double> values, int components) const;
+  template <std::size_t D>
+  [[nodiscard]] std::vector<std::array<std::int32_t, D + 1>> old_cells() const;
+  template <std::size_t D>
+  void interpolate(std::span<const double> values, std::size_t width, std::vector<double>& out) const;
+  template <std::size_t D>
+  [[nodiscard]] Result<std::vector<double>> load(std::span<const double> values, std::size_t width) const;
 
   const FluidMesh& from_;
   const FluidMesh& to_;
-  std::vector<meshing::Point> points_; ///< of `from`
-  std::vector<meshing::Tet> tets_;
+  std::vector<meshing::Point> points_;            ///< of `from`
   std::vector<std::int32_t> kept_from_, kept_to_; ///< node by node the same
   std::vector<char> is_kept_;                     ///< of `to`
 };

@@ -92,9 +92,6 @@ void Checker::method() {
 }
 
 void Checker::in_plane() {
-  if (config_.has_remesh())
-    report_.error(at("remesh"),
-                  fmt::format("{} is two-dimensional: only tetrahedra are meshed anew", config_.mesh()));
   for (int i = 0; i < config_.boundary_size(); ++i) {
     const auto& boundary = config_.boundary(i);
     const std::string path = fmt::format("boundary[{}]", i);

@@ -103,7 +103,7 @@ void add_surface(int tag, const std::vector<Point>& points, const std::vector<Tr
                          tags(surface.front().data(), surface.front().data() + 3 * surface.size()));
 }
 
-void generate(const SizeFunction& size) {
+void generate(const SizeFunction& size, int dimension) {
   const SizeCallback callback(size);
   gmsh::option::setNumber("General.NumThreads", 1);
   gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
@@ -112,7 +112,7 @@ void generate(const SizeFunction& size) {
   gmsh::option::setNumber("Mesh.Algorithm3D", 10);
   gmsh::option::setNumber("Mesh.Optimize", 1);
   gmsh::option::setNumber("Mesh.OptimizeThreshold", 0.35);
-  api::generate(3);
+  api::generate(dimension);
 }
 
 NodeIndex::NodeIndex(std::vector<std::size_t> node_tags) : tags_(std::move(node_tags)) {

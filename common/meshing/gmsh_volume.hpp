@@ -23,7 +23,8 @@ void add_surface(int tag, const std::vector<Point>& points, const std::vector<Tr
                  const std::set<std::int32_t>* elsewhere = nullptr);
 
 /// Meshes the volumes of the model: HXT, one thread (with more it may give a mesh that does not conform).
-void generate(const SizeFunction& size);
+/// With `dimension` 2 its surfaces only.
+void generate(const SizeFunction& size, int dimension = 3);
 
 /// Node tags to indices from zero, in the order of the tags.
 class NodeIndex {

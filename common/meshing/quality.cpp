@@ -45,6 +45,22 @@ double smallest_dihedral_angle(const std::vector<Point>& x, const Tet& tet) {
   return smallest * 180 / std::numbers::pi;
 }
 
+double mean_ratio(const std::vector<Point>& x, const Triangle& t) {
+  const Point a = at(x, t[1]) - at(x, t[0]), b = at(x, t[2]) - at(x, t[0]);
+  const double squares = a.squaredNorm() + b.squaredNorm() + (b - a).squaredNorm();
+  return squares == 0 ? 0 : 2 * std::numbers::sqrt3 * (a.x() * b.y() - a.y() * b.x()) / squares;
+}
+
+double smallest_angle(const std::vector<Point>& x, const Triangle& t) {
+  double smallest = std::numbers::pi;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Point a = (at(x, t[(i + 1) % 3]) - at(x, t[i])).stableNormalized(),
+                b = (at(x, t[(i + 2) % 3]) - at(x, t[i])).stableNormalized();
+    smallest = std::min(smallest, std::acos(std::clamp(a.dot(b), -1.0, 1.0)));
+  }
+  return smallest * 180 / std::numbers::pi;
+}
+
 QualitySummary summarise_quality(const std::vector<Point>& x, const std::vector<Tet>& tets) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   QualitySummary q{.smallest_volume = infinity, .smallest_mean_ratio = infinity, .smallest_angle = infinity};

@@ -15,6 +15,11 @@ namespace drogue::meshing {
 /// Smallest angle between two faces, in degrees (70.5 for a regular tet).
 [[nodiscard]] double smallest_dihedral_angle(const std::vector<Point>& x, const Tet& tet);
 
+/// The same of a triangle in a plane z = const: mean ratio 4 sqrt(3) A / sum of the squared edges, negative
+/// when it runs clockwise, and smallest angle between two edges (60 for a regular one).
+[[nodiscard]] double mean_ratio(const std::vector<Point>& x, const Triangle& t);
+[[nodiscard]] double smallest_angle(const std::vector<Point>& x, const Triangle& t);
+
 struct QualitySummary {
   double smallest_volume = 0;
   double total_volume = 0;

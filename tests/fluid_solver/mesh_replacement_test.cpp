@@ -22,19 +22,22 @@ namespace {
 namespace fs = std::filesystem;
 using namespace test;
 
-/// A box whose inner nodes were moved at random, and the same boundary filled anew.
+/// A box, or a rectangle, whose inner nodes were moved at random, and the same boundary filled anew.
 struct TwoMeshes {
-  TwoMeshes() {
-    mesh::Mesh m = box_mesh({5, 5, 8}, {1, 1, 2});
+  explicit TwoMeshes(int dimension = 3) {
+    const std::vector<double> size =
+        dimension == 2 ? std::vector<double>{1, 2} : std::vector<double>{1, 1, 2};
+    mesh::Mesh m = dimension == 2 ? rectangle_mesh({10, 20}, {1, 2}) : box_mesh({5, 5, 8}, {1, 1, 2});
     const std::vector<double> original = m.points;
-    m.points = shaken(m.points, 0.04, 7);
-    for (std::size_t i = 0; i < m.points.size(); i += 3)
-      for (std::size_t d = 0; d < 3; ++d)
-        if (original[i] * original[i + 1] * original[i + 2] == 0 || original[i] == 1 ||
-            original[i + 1] == 1 || original[i + 2] == 2)
-          m.points[i + d] = original[i + d];
+    m.points = shaken(m.points, dimension == 2 ? 0.02 : 0.04, 7);
+    for (std::size_t i = 0; i < m.points.size(); i += 3) {
+      bool on_boundary = false;
+      for (std::size_t d = 0; d < size.size(); ++d)
+        on_boundary = on_boundary || original[i + d] == 0 || original[i + d] == size[d];
+      for (std::size_t d = on_boundary ? 0 : size.size(); d < 3; ++d) m.points[i + d] = original[i + d];
+    }
     auto filled = meshing::remesh(m);
-    EXPECT_TRUE(filled.ok());
+    EXPECT_TRUE(filled.ok()) << filled.error().message;
     other_file = *filled;
     auto a = FluidMesh::create(std::move(m));
     auto b = FluidMesh::create(std::move(*filled));
@@ -54,8 +57,12 @@ std::vector<double> at_nodes(const std::vector<double>& x,
   return values;
 }
 
-TEST(MeshTransfer, ReproducesLinearFields) {
-  const TwoMeshes m;
+class MeshTransfers : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Dimensions, MeshTransfers, testing::Values(2, 3));
+
+TEST_P(MeshTransfers, ReproduceLinearFields) {
+  const TwoMeshes m(GetParam());
+  EXPECT_NE(m.from.hash, m.to.hash);
   const auto transfer = MeshTransfer::create(m.from, m.from.points, m.to);
   ASSERT_TRUE(transfer.ok()) << transfer.error().message;
   const auto linear = [](const double* x) -> std::array<double, 2> {
@@ -71,8 +78,8 @@ TEST(MeshTransfer, ReproducesLinearFields) {
   }
 }
 
-TEST(MeshTransfer, KeepsTheBoundaryAndTheIntegral) {
-  const TwoMeshes m;
+TEST_P(MeshTransfers, KeepTheBoundaryAndTheIntegral) {
+  const TwoMeshes m(GetParam());
   const auto transfer = MeshTransfer::create(m.from, m.from.points, m.to);
   ASSERT_TRUE(transfer.ok());
   const auto wave = [](const double* x) -> std::array<double, 2> {
@@ -96,13 +103,15 @@ TEST(MeshTransfer, KeepsTheBoundaryAndTheIntegral) {
   EXPECT_LT(error, 0.25); // of values up to 7: what linear elements of this size can do
 }
 
-TEST(MeshTransfer, RefusesAnotherBoundary) {
-  const TwoMeshes m;
+TEST_P(MeshTransfers, RefuseAnotherBoundary) {
+  const TwoMeshes m(GetParam());
   std::vector<double> x = m.from.points;
   x[3 * static_cast<std::size_t>(m.from.from_file[0])] += 1e-9;
   EXPECT_FALSE(MeshTransfer::create(m.from, x, m.to).ok());
-  const auto other = FluidMesh::create(box_mesh({2, 2, 2}, {1, 1, 2}));
-  EXPECT_FALSE(MeshTransfer::create(m.from, m.from.points, *other).ok());
+  const auto space = FluidMesh::create(box_mesh({2, 2, 2}, {1, 1, 2})),
+             plane = FluidMesh::create(rectangle_mesh({2, 2}, {1, 2}));
+  EXPECT_FALSE(MeshTransfer::create(m.from, m.from.points, *space).ok());
+  EXPECT_FALSE(MeshTransfer::create(m.from, m.from.points, *plane).ok());
 }
 
 /// Flow along z through a channel with a moving wall, and a probe.
@@ -119,8 +128,24 @@ Settings channel() {
   return s;
 }
 
+/// The same along y in the plane.
+Settings plane_channel() {
+  Settings s = channel();
+  s.boundaries = {velocity("y0", "0", "4*x*(1-x)", "0"), boundary("y1", Condition::traction_free),
+                  boundary("x0", Condition::no_slip), boundary("x1", Condition::no_slip)};
+  s.initial_velocity = vector_expression("0.2*sin(3*y)*x*(1-x)", "4*x*(1-x)", "0");
+  s.probes = {{"middle", {0.4, 1.1, 0}}};
+  return s;
+}
+
 class Replacement : public testing::Test {
  protected:
+  void use_plane() {
+    meshes_ = TwoMeshes(2);
+    input_.settings = plane_channel();
+    input_.mesh = std::move(meshes_.from);
+    ASSERT_TRUE(mesh::write_msh(folder_ / "other.msh", meshes_.other_file).ok());
+  }
   void SetUp() override {
     folder_ = fs::path(testing::TempDir()) / fmt::format("fluid_replacement_{}", getpid());
     fs::create_directories(folder_);
@@ -139,11 +164,55 @@ class Replacement : public testing::Test {
   /// Largest residual of a continuity row of the last step [volume/time x time].
   static double divergence(const FlowRun& run) {
     const auto residual = run.solver().system().residual();
-    const auto width = static_cast<std::size_t>(run.solver().system().unknowns());
+    const auto width = static_cast<std::size_t>(run.solver().system().unknowns()) / 2;
     double largest = 0;
-    for (std::size_t i = 3; i < residual.size(); i += 4) largest = std::max(largest, std::abs(residual[i]));
-    EXPECT_EQ(width, 8u);
+    for (std::size_t i = width - 1; i < residual.size(); i += width)
+      largest = std::max(largest, std::abs(residual[i]));
     return largest;
+  }
+  void carries_the_flow_over() {
+    FlowRun run(input_);
+    ASSERT_TRUE(run.open_results(folder_).ok());
+    for (int k = 0; k < 3; ++k) step(run);
+    const FlowState before = run.solver().state();
+    const auto defects = run.replace_mesh(folder_ / "other.msh", meshes_.to.hash, false);
+    ASSERT_TRUE(defects.ok()) << defects.error().message;
+    const FlowState& after = run.solver().state();
+    EXPECT_EQ(after.time, before.time);
+    EXPECT_EQ(after.step, before.step);
+    EXPECT_EQ(after.x, input_.mesh.points);
+    EXPECT_EQ(input_.mesh.hash, meshes_.to.hash);
+    // On 250 or 300 nodes, most of which are replaced; the finer the mesh the less.
+    EXPECT_LT(defects->mass, 1e-3);
+    EXPECT_LT(defects->momentum, 3e-2);
+    EXPECT_LT(defects->energy, 5e-2);
+    // One solve later the velocity has no divergence, to the solver's tolerance.
+    step(run);
+    EXPECT_LT(divergence(run), 1e-9);
+  }
+  /// Alone: a shear that no mesh follows; the mesh is replaced when it must be, and the shear goes on.
+  void replaces_a_sheared_mesh(const config::VectorExpression& shear) {
+    input_.settings.interface.clear();
+    input_.settings.phases = {{.formulation = Formulation::dsd_sst,
+                               .step = 0.02,
+                               .steps = 8,
+                               .mesh_displacement = shear,
+                               .time_order = 1,
+                               .time_points = 2,
+                               .steady_tolerance = 0}};
+    input_.settings.remesh = RemeshSettings{.mean_ratio = 0.25, .angle = 0};
+    input_.settings.output.directory = folder_ / "alone";
+    input_.settings.output.field_interval = 4;
+    input_.settings.newton.max_halvings = 0;
+    const std::string hash = input_.mesh.hash;
+    const auto done = run_standalone(input_);
+    ASSERT_TRUE(done.ok()) << done.error().message;
+    EXPECT_NE(input_.mesh.hash, hash);
+    int files = 0;
+    for (const auto& entry : fs::directory_iterator(folder_ / "alone"))
+      files += entry.path().extension() == ".msh";
+    EXPECT_GE(files, 1);
+    EXPECT_GT(smallest_volume_ratio(input_.mesh, input_.mesh.points), 0);
   }
 
   TwoMeshes meshes_;
@@ -152,24 +221,11 @@ class Replacement : public testing::Test {
 };
 
 TEST_F(Replacement, CarriesTheFlowOverWithSmallDefects) {
-  FlowRun run(input_);
-  ASSERT_TRUE(run.open_results(folder_).ok());
-  for (int k = 0; k < 3; ++k) step(run);
-  const FlowState before = run.solver().state();
-  const auto defects = run.replace_mesh(folder_ / "other.msh", meshes_.to.hash, false);
-  ASSERT_TRUE(defects.ok()) << defects.error().message;
-  const FlowState& after = run.solver().state();
-  EXPECT_EQ(after.time, before.time);
-  EXPECT_EQ(after.step, before.step);
-  EXPECT_EQ(after.x, input_.mesh.points);
-  EXPECT_EQ(input_.mesh.hash, meshes_.to.hash);
-  // On 300 nodes, most of which are replaced; the finer the mesh the less.
-  EXPECT_LT(defects->mass, 1e-3);
-  EXPECT_LT(defects->momentum, 3e-2);
-  EXPECT_LT(defects->energy, 5e-2);
-  // One solve later the velocity has no divergence, to the solver's tolerance.
-  step(run);
-  EXPECT_LT(divergence(run), 1e-9);
+  carries_the_flow_over();
+}
+TEST_F(Replacement, CarriesAPlaneFlowOverWithSmallDefects) {
+  use_plane();
+  carries_the_flow_over();
 }
 
 TEST_F(Replacement, AnUnknownOrOtherFileIsRefused) {
@@ -238,30 +294,12 @@ TEST_F(Replacement, ARestoredRunGoesOnToTheBit) {
   EXPECT_EQ(last, only);
 }
 
-/// Alone: a shear that no mesh follows; the mesh is replaced when it must be, and the shear goes on.
-TEST_F(Replacement, ASheredMeshIsReplacedInAStandAloneRun) {
-  input_.settings.interface.clear();
-  input_.settings.phases = {{.formulation = Formulation::dsd_sst,
-                             .step = 0.02,
-                             .steps = 8,
-                             .mesh_displacement = vector_expression("0", "0", "60*t*x*(1-x)*y*(1-y)*z*(2-z)"),
-                             .time_order = 1,
-                             .time_points = 2,
-                             .steady_tolerance = 0}};
-  input_.settings.remesh = RemeshSettings{.mean_ratio = 0.25, .angle = 0};
-  input_.settings.output.directory = folder_ / "alone";
-  input_.settings.output.field_interval = 4;
-  input_.settings.newton.max_halvings = 0;
-  const std::string hash = input_.mesh.hash;
-  const auto done = run_standalone(input_);
-  ASSERT_TRUE(done.ok()) << done.error().message;
-  EXPECT_NE(input_.mesh.hash, hash);
-  int files = 0;
-  for (const auto& entry : fs::directory_iterator(folder_ / "alone"))
-    files += entry.path().extension() == ".msh";
-  EXPECT_GE(files, 1);
-  // The boundary's nodes are where the motion of their starts has them.
-  EXPECT_GT(smallest_volume_ratio(input_.mesh, input_.mesh.points), 0);
+TEST_F(Replacement, AShearedMeshIsReplacedInAStandAloneRun) {
+  replaces_a_sheared_mesh(vector_expression("0", "0", "60*t*x*(1-x)*y*(1-y)*z*(2-z)"));
+}
+TEST_F(Replacement, AShearedPlaneMeshIsReplacedInAStandAloneRun) {
+  use_plane();
+  replaces_a_sheared_mesh(vector_expression("0", "20*t*x*(1-x)*y*(2-y)*(x-0.5)*3", "0"));
 }
 
 } // namespace

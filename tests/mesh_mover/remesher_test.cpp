@@ -14,6 +14,7 @@
 #include "mesh_mover/standalone.hpp"
 #include "tests/mesh_mover/body_in_box.hpp"
 #include "tests/mesh_mover/mover_cases.hpp"
+#include "tests/mesh_mover/plane_mesh.hpp"
 
 namespace drogue::mesh_mover {
 namespace {
@@ -162,19 +163,40 @@ TEST_F(Remeshing, TheProgramMakesTheSameMeshEveryTime) {
     EXPECT_EQ(mesh::hash(*mesh::read_msh(a[i])), mesh::hash(*mesh::read_msh(b[i])));
 }
 
-TEST_F(Remeshing, ThePlaneIsRefused) {
-  std::string text = config_text;
-  mesh::Mesh plane;
-  plane.points = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  plane.blocks = {{"fluid", mesh::ElementKind::tri3, {0, 1, 2}},
-                  {"edge", mesh::ElementKind::line2, {0, 1, 1, 2, 2, 0}}};
+/// A small square in the plane, carried three times its own size to the side.
+TEST_F(Remeshing, CarriesABodyInThePlaneOnWithANewMesh) {
+  const auto axis = test::graded(1, 6, 1.6);
+  const auto inside = [](int a) { return a >= 5 && a <= 6; };
+  const mesh::Mesh plane = test::plane_mesh(axis, axis, [&](int i, int j) { return inside(i) && inside(j); });
   ASSERT_TRUE(mesh::write_msh(folder_ / "plane.msh", plane).ok());
-  std::ofstream(folder_ / "plane.textproto")
-      << "mesh: 'plane.msh' boundary { name: 'edge' fixed {} } remesh { mean_ratio: 0.1 }\n";
-  const auto input = load_case(folder_ / "plane.textproto");
-  ASSERT_FALSE(input.ok());
-  EXPECT_NE(input.error().message.find("only tetrahedra are meshed anew"), std::string::npos)
-      << input.error().message;
+  Case input = valid_case(R"config(mesh: "plane.msh"
+boundary { name: "body" displacement { x: "0.1*t" y: "0.05*sin(t)" } }
+boundary { name: "x0" fixed {} }
+boundary { name: "x1" fixed {} }
+boundary { name: "y0" sliding { normal: "y" } }
+boundary { name: "y1" sliding { normal: "y" } }
+interface: "body"
+tolerance: 1e-8
+step: 0.5
+steps: 16
+remesh { mean_ratio: 0.3 }
+stop { mean_ratio: 0.18 }
+)config");
+  const auto done = run_standalone(input);
+  ASSERT_TRUE(done.ok()) << done.error().message;
+  const auto meshes = new_meshes(folder_ / "results");
+  ASSERT_GE(meshes.size(), 1u);
+  const auto mesh = mesh::read_msh(meshes.back());
+  ASSERT_TRUE(mesh.ok());
+  const int step = std::stoi(meshes.back().stem().string().substr(7));
+  const auto& moved = mesh->node_fields.at(start_displacement_name).values;
+  for (const std::int32_t node : mesh->nodes_of("body")) {
+    EXPECT_NEAR(moved[3 * static_cast<std::size_t>(node)], 0.1 * 0.5 * step, 1e-12);
+    EXPECT_NEAR(moved[3 * static_cast<std::size_t>(node) + 1], 0.05 * std::sin(0.5 * step), 1e-12);
+  }
+  // Without new meshes it stops on the way.
+  input.settings.remesh.reset();
+  EXPECT_FALSE(run_standalone(input).ok());
 }
 
 } // namespace

@@ -11,7 +11,7 @@
 #include "common/meshing/membrane_volume.hpp"
 #include "common/meshing/merged_surface.hpp"
 #include "common/meshing/quality.hpp"
-#include "common/meshing/tet_locator.hpp"
+#include "common/meshing/simplex_locator.hpp"
 #include "tests/common/meshing/kuhn_grid.hpp"
 
 namespace drogue::meshing {
@@ -51,11 +51,11 @@ TEST(TetLocator, FindsThePlaceOfEveryPoint) {
     Point x = Point::Zero();
     for (Index a = 0; a < 4; ++a) x += weight[a] * m.points[static_cast<Index>(m.tets[e][a])];
     const TetPlace place = locator.find(x);
-    ASSERT_EQ(place.tet, static_cast<std::int32_t>(e));
+    ASSERT_EQ(place.cell, static_cast<std::int32_t>(e));
     for (Index a = 0; a < 4; ++a) EXPECT_NEAR(place.weight[a], weight[a], 1e-12);
-    EXPECT_EQ(locator.find(x, 7).tet, place.tet);
+    EXPECT_EQ(locator.find(x, 7).cell, place.cell);
   }
-  EXPECT_EQ(locator.find(Point(100, 0, 0)).tet, -1);
+  EXPECT_EQ(locator.find(Point(100, 0, 0)).cell, -1);
 }
 
 TEST(MergedSurface, PutsTheSidesTogetherAndCutsThemOpenAgain) {
