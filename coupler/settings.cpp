@@ -249,6 +249,8 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.restarts = c.healing().has_restarts() ? c.healing().restarts() : all_built_in(s) ? default_restarts : 0;
   s.hash = hash_of(c);
   if (auto factor = config::Expression::parse(c.load_factor())) s.load_factor = std::move(*factor);
+  if (auto share = config::Expression::parse(c.withheld_first_load()))
+    s.withheld_first_load = std::move(*share);
   s.outer_boundary_follows = c.outer_boundary() == v1::FOLLOW_MEAN;
   if (c.has_start_from())
     s.start_from = std::filesystem::absolute(source.resolve(c.start_from())).lexically_normal();

@@ -91,6 +91,7 @@ struct CaseSettings {
   NetworkSettings network;
   int restarts = 0; ///< after the death or silence of a participant, at most
   config::Expression load_factor;
+  config::Expression withheld_first_load;
   bool outer_boundary_follows = true;
   std::filesystem::path start_from;     ///< folder of a run, absolute; empty: from the solvers' own start
   std::array<double, 3> drag_weights{}; ///< cd = weights . F; zero without a reference

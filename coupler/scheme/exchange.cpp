@@ -126,7 +126,7 @@ void Exchange::extrapolate(std::span<const double> last, double weight) {
   extrapolation_ = weight;
 }
 
-Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor, std::span<const double> d,
+Result<void> Exchange::transfer_load(const FloatArray& load, LoadShare share, std::span<const double> d,
                                      std::span<const double> v, IterationRecord& record) {
   for (std::size_t i = 0; i < fluid_x_.size(); ++i) fluid_x_[i] = interface_.fluid.points[i] + fluid_d_[i];
   for (std::size_t i = 0; i < structure_x_.size(); ++i)
@@ -146,10 +146,13 @@ Result<void> Exchange::transfer_load(const FloatArray& load, double load_factor,
   record.power_structure = on_structure.power;
   record.displacement_defect = projection::projection_defect(interface_, d, fluid_d_);
   record.velocity_defect = projection::projection_defect(interface_, v, fluid_v_);
-  for (double& f : force_) f *= load_factor;
+  if (first_force_.empty()) first_force_ = force_;
+  for (double& f : force_) f *= share.factor;
   given_force_ = force_;
   for (std::size_t i = 0; i < last_force_.size(); ++i)
     force_[i] += extrapolation_ * (given_force_[i] - last_force_[i]);
+  for (std::size_t i = 0; i < force_.size(); ++i)
+    force_[i] -= share.factor * share.withheld * first_force_[i];
   return {};
 }
 
@@ -161,17 +164,17 @@ Result<Fields> Exchange::structure_inputs(std::span<const double> d, std::span<c
   return inputs;
 }
 
-Result<void> Exchange::fluid_side(const Station& at, double load_factor, std::span<const double> d,
+Result<void> Exchange::fluid_side(const Station& at, LoadShare share, std::span<const double> d,
                                   std::span<const double> v, std::span<const double> v_start,
                                   IterationRecord& record) {
   auto mesh_displacement = move_mesh(at, d, record);
   if (!mesh_displacement) return mesh_displacement.error();
   const auto load = solve_flow(at, std::move(*mesh_displacement), v, v_start);
   if (!load) return load.error();
-  return transfer_load(*load, load_factor, d, v, record);
+  return transfer_load(*load, share, d, v, record);
 }
 
-Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span<const double> d,
+Result<void> Exchange::evaluate(const Station& at, LoadShare share, std::span<const double> d,
                                 std::span<const double> v, std::span<const double> v_start,
                                 std::span<const double> given_force, std::vector<double>& d_tilde,
                                 std::vector<double>& v_tilde, IterationRecord& record) {
@@ -181,7 +184,7 @@ Result<void> Exchange::evaluate(const Station& at, double load_factor, std::span
     if (!inputs) return inputs.error();
     DROGUE_TRY(participants_.begin_structure(at, std::move(*inputs)));
   }
-  const auto flow = fluid_side(at, load_factor, d, v, v_start, record);
+  const auto flow = fluid_side(at, share, d, v, v_start, record);
   if (!flow && !at_once) return flow.error();
   if (!at_once) {
     auto inputs = structure_inputs(d, force_);

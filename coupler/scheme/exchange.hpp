@@ -13,6 +13,12 @@
 
 namespace drogue::coupler {
 
+/// The structure's load is factor (f - withheld f_first), f the fluid's nodal forces, f_first those of the
+/// first evaluation of the run.
+struct LoadShare {
+  double factor = 1, withheld = 0;
+};
+
 /// What travels in one coupling iteration, with all projections: d, v of the structure in, its load and the
 /// fluid's motion out. Arrays {n, 3}.
 class Exchange {
@@ -26,7 +32,7 @@ class Exchange {
   /// @param given_force nodal forces that the structure takes, while mesh mover and fluid work; empty: it
   /// waits
   ///        for the fluid's
-  [[nodiscard]] Result<void> evaluate(const Station& at, double load_factor, std::span<const double> d,
+  [[nodiscard]] Result<void> evaluate(const Station& at, LoadShare share, std::span<const double> d,
                                       std::span<const double> v, std::span<const double> v_start,
                                       std::span<const double> given_force, std::vector<double>& d_tilde,
                                       std::vector<double>& v_tilde, IterationRecord& record);
@@ -35,6 +41,9 @@ class Exchange {
   void extrapolate(std::span<const double> last, double weight);
   /// Nodal forces of the fluid's last solve before that, {n, 3} [force].
   [[nodiscard]] std::span<const double> given_force() const { return given_force_; }
+  /// f_first of LoadShare, {n, 3} [force]; empty before the first evaluation.
+  [[nodiscard]] const std::vector<double>& first_force() const { return first_force_; }
+  void set_first_force(std::vector<double> force) { first_force_ = std::move(force); }
   /// Nodal forces for the structure, {n, 3} [force].
   [[nodiscard]] std::span<const double> force() const { return force_; }
 
@@ -57,12 +66,12 @@ class Exchange {
                                                            std::span<const double> v,
                                                            std::span<const double> v_start);
   /// Mesh mover and fluid: fills force_.
-  [[nodiscard]] Result<void> fluid_side(const Station& at, double load_factor, std::span<const double> d,
+  [[nodiscard]] Result<void> fluid_side(const Station& at, LoadShare share, std::span<const double> d,
                                         std::span<const double> v, std::span<const double> v_start,
                                         IterationRecord& record);
   [[nodiscard]] Result<participant::Fields> structure_inputs(std::span<const double> d,
                                                              std::span<const double> force);
-  [[nodiscard]] Result<void> transfer_load(const participant::FloatArray& load, double load_factor,
+  [[nodiscard]] Result<void> transfer_load(const participant::FloatArray& load, LoadShare share,
                                            std::span<const double> d, std::span<const double> v,
                                            IterationRecord& record);
 
@@ -74,6 +83,7 @@ class Exchange {
   std::vector<double> fluid_d_, fluid_v_, fluid_x_, structure_x_, force_;
   std::vector<double> given_force_, last_force_; ///< last_force_ empty: force_ is given_force_
   double extrapolation_ = 0;
+  std::vector<double> first_force_;
   std::vector<double> traction_; ///< empty unless the structure takes it
 };
 

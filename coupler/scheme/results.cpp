@@ -46,12 +46,12 @@ Result<Results> Results::create(const std::filesystem::path& run_directory, io::
                                         existing);
   if (!coupling) return coupling.error();
   results.coupling_ = std::move(*coupling);
-  auto drag =
-      io::CsvWriter::create(run_directory / "drag.csv",
-                            {"time", "force_x", "force_y", "force_z", "cd", "load_factor",
-                             "mean_displacement_x", "mean_displacement_y", "mean_displacement_z",
-                             "vector_area_x", "vector_area_y", "vector_area_z", "iterations", "converged"},
-                            existing);
+  auto drag = io::CsvWriter::create(run_directory / "drag.csv",
+                                    {"time", "force_x", "force_y", "force_z", "cd", "load_factor",
+                                     "mean_displacement_x", "mean_displacement_y", "mean_displacement_z",
+                                     "vector_area_x", "vector_area_y", "vector_area_z", "iterations",
+                                     "converged", "withheld_first_load"},
+                                    existing);
   if (!drag) return drag.error();
   results.drag_ = std::move(*drag);
   auto remesh = io::CsvWriter::create(
@@ -112,7 +112,7 @@ Result<void> Results::iteration(const IterationRecord& r) {
 Result<void> Results::step(const StepRecord& r) {
   return drag_.row({r.time, r.force[0], r.force[1], r.force[2], r.drag_coefficient, r.load_factor,
                     r.mean_displacement[0], r.mean_displacement[1], r.mean_displacement[2], r.vector_area[0],
-                    r.vector_area[1], r.vector_area[2], r.iterations, r.converged});
+                    r.vector_area[1], r.vector_area[2], r.iterations, r.converged, r.withheld_first_load});
 }
 
 Result<void> Results::new_mesh(const RemeshRecord& r) {

@@ -44,7 +44,7 @@ struct StepRecord {
   double time = 0;
   Vector3 force{}; ///< fluid's force on the interface at t_{n+1}
   double drag_coefficient = 0;
-  double load_factor = 1;
+  double load_factor = 1, withheld_first_load = 0;
   Vector3 mean_displacement{}; ///< area-weighted, since Initialize
   Vector3 vector_area{};       ///< int n dA over the structure's current surface: projected areas
   double iterations = 0;

@@ -131,9 +131,13 @@ Result<bool> StepLoop::advance(std::uint64_t step, double time, double time_step
   return advance(step, time + 0.5 * time_step, 0.5 * time_step, {part.halvings + 1, part.is_last});
 }
 
+LoadShare StepLoop::load_share(double time) const {
+  return {settings_.load_factor(0, 0, 0, time), settings_.withheld_first_load(0, 0, 0, time)};
+}
+
 Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double time_step) {
   const LoopSettings& loop = settings_.loop;
-  const double load_factor = settings_.load_factor(0, 0, 0, time + time_step);
+  const LoadShare share = load_share(time + time_step);
   DROGUE_TRY(participants_.begin_step(at, time, time_step));
   accelerator_->begin_step();
   predict(time_step);
@@ -156,7 +160,7 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     }
     const std::span<const double> given = parallel ? std::span<const double>(f_) : std::span<const double>();
     const auto evaluated =
-        exchange_.evaluate(at, load_factor, d_, v_, v_start_, given, d_tilde_, v_tilde_, record_);
+        exchange_.evaluate(at, share, d_, v_, v_start_, given, d_tilde_, v_tilde_, record_);
     if (!evaluated && !curable(evaluated.error())) return evaluated.error();
     if (!evaluated) {
       outcome.trouble = evaluated.error().message;
@@ -347,7 +351,9 @@ Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double 
   s.time = time + time_step;
   s.force = record_.force_fluid;
   for (std::size_t i = 0; i < 3; ++i) s.drag_coefficient += settings_.drag_weights[i] * s.force[i];
-  s.load_factor = settings_.load_factor(0, 0, 0, s.time);
+  const LoadShare share = load_share(s.time);
+  s.load_factor = share.factor;
+  s.withheld_first_load = share.withheld;
   s.mean_displacement = exchange_.mean(n_.d);
   s.vector_area = exchange_.vector_area(n_.d);
   s.iterations = outcome.iterations;

@@ -87,6 +87,7 @@ class StepLoop {
                                     bool whole_step);
   [[nodiscard]] Result<void> use_step(double time_step);
   [[nodiscard]] Result<void> change_mesh(const Station& at, double time);
+  [[nodiscard]] LoadShare load_share(double time) const;
   void predict(double time_step);
   void measure(double time_step);
   void learn_added_mass(int iteration);

@@ -87,6 +87,7 @@ void StepLoop::save(io::State& state) const {
   }
   put(state, "load", f_n_);
   put(state, "given_load", mean_n_);
+  put(state, "first_load", exchange_.first_force());
   put(state, "load_scale", {load_scale_});
   put(state, "totals", numbers(totals_));
   std::vector<double> time_steps;
@@ -111,6 +112,7 @@ Result<void> StepLoop::load(const io::State& state) {
   }
   f_n_ = from.vector("load", f_n_.size());
   mean_n_ = from.vector("given_load", mean_n_.size());
+  exchange_.set_first_force(from.vector("first_load"));
   load_scale_ = from.number("load_scale");
   totals_ = totals_of(from.vector("totals", numbers({}).size()));
   const std::vector<double> time_steps = from.vector("accelerators");

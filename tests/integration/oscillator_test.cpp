@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whole coupled runs of four processes whose answer is known: the oscillator of oscillator_participant.cpp.
 #include <cmath>
+#include <functional>
 #include <thread>
 
 #include "coupler/launcher/process.hpp"
@@ -20,14 +21,16 @@ int run_coupler(const std::filesystem::path& case_file, const std::string& comma
   return exit ? exit->status : -1;
 }
 
-/// Displacement since the start after each step of the trapezoidal rule for (m + m_a) a + k d = 0.
-std::vector<double> oscillator(int steps, double dt, double v = 0) {
+/// Displacement since the start after each step of the trapezoidal rule for (m + m_a) a + k d = f(t).
+std::vector<double> oscillator(
+    int steps, double dt, double v = 0,
+    const std::function<double(double)>& force = [](double) { return 0.0; }) {
   const double mass = 5.5, k = 40, d0 = 0.01;
   double d = d0, a = -k * d / mass;
   std::vector<double> history;
   for (int n = 0; n < steps; ++n) {
     const double guess = d + dt * v + 0.25 * dt * dt * a;
-    const double a1 = -k * guess / (mass + 0.25 * dt * dt * k);
+    const double a1 = (force((n + 1) * dt) - k * guess) / (mass + 0.25 * dt * dt * k);
     d = guess + 0.25 * dt * dt * a1;
     v += 0.5 * dt * (a + a1);
     a = a1;
@@ -56,6 +59,25 @@ TEST(Oscillator, FollowsTheMonolithicSolutionWithTenfoldAddedMass) {
     EXPECT_LT(coupling.at(i, "displacement_defect"), 1e-10);
   }
   EXPECT_GT(std::abs(coupling.at(1, "power_fluid")), 1e-6);
+}
+
+/// The flow's first load is that of the initial acceleration, m_a a_0; what is withheld of it acts as a force
+/// of its own, and the added mass stays whole.
+TEST(Oscillator, WithholdsTheFirstLoadWithoutWeakeningTheInertia) {
+  const auto folder = fresh_folder("withheld");
+  ASSERT_EQ(run_coupler(write_case(
+                folder, {.steps = 20,
+                         .extra = "loop { relative: 1e-9 } withheld_first_load: \"max(0, 1 - t/0.2)\""})),
+            0)
+      << read_text(folder / "output.txt");
+  const Table drag = read_csv(folder / "run/drag.csv");
+  const double first_load = 5 * (-40 * 0.01 / 5.5);
+  const auto exact =
+      oscillator(20, 0.02, 0, [&](double t) { return -std::max(0.0, 1 - t / 0.2) * first_load; });
+  ASSERT_EQ(drag.rows.size(), 20u);
+  for (std::size_t n = 0; n < exact.size(); ++n)
+    EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-8 * 0.01) << "step " << n + 1;
+  EXPECT_NEAR(drag.at(4, "withheld_first_load"), 0.5, 1e-12);
 }
 
 /// The same in a plane problem: lines with three nodes on the structure, with two on the fluid, forces per
