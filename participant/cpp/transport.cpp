@@ -19,7 +19,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr auto beat_interval = std::chrono::seconds(1);
+constexpr std::chrono::milliseconds beat_interval{1000};
 /// How soon a wait notices a signal.
 constexpr auto interrupt_interval = std::chrono::milliseconds(100);
 /// How long a solver that is in the middle of its work may go on after the coupler is gone.

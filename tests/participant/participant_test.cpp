@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -263,6 +264,28 @@ TEST_F(ScriptedPeer, BeatsWhileItWorks) {
   m.floats["force"] = {{2, 3}, {1, 0, 0, 0, 0, 0}};
   send(m);
   EXPECT_TRUE(receive(false).envelope.has_beat());
+  EXPECT_TRUE(receive().envelope.has_iterated());
+}
+
+/// Waiting costs nothing: its threads wake a few times a second, whether the solver works or not.
+TEST_F(ScriptedPeer, SleepsWhileItWaits) {
+  bring_to_ready();
+  begin_step();
+  const auto switches = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_nvcsw;
+  };
+  const long before = switches();
+  std::this_thread::sleep_for(1500ms);
+  EXPECT_LT(switches() - before, 300);
+  solver_.work = 1500ms;
+  wire::Message m = message([](v1::Envelope& e) { e.mutable_iterate(); });
+  m.floats["force"] = {{2, 3}, {1, 0, 0, 0, 0, 0}};
+  send(m);
+  const long at_work = switches();
+  std::this_thread::sleep_for(1200ms);
+  EXPECT_LT(switches() - at_work, 300);
   EXPECT_TRUE(receive().envelope.has_iterated());
 }
 
