@@ -80,6 +80,8 @@ struct Balance {
   std::vector<std::array<double, 3>> reactions;
   /// Sum of all loads but the interface's, weight and drag of bodies that are not meshed among them [force].
   std::array<double, 3> external_force{};
+  /// Sum of the interface's loads [force].
+  std::array<double, 3> interface_force{};
 };
 
 /// Generalised-alpha with Newton's method in each step.

@@ -50,6 +50,8 @@ Balance Integrator::balance() {
   const auto loads = evaluate_loads(model_, n_.time, load_factor(n_.time));
   if (!loads) return b;
   b.external_force = external_force(*loads);
+  for (std::size_t i = 0; i < n_.interface_force.size(); ++i)
+    b.interface_force[i % 3] += n_.interface_force[i];
   b.kinetic_energy = kinetic_energy(n_);
   b.strain_energy = static_residual(*loads, n_.u);
   b.ledger = n_.ledger;

@@ -47,6 +47,7 @@ std::vector<std::string> Results::series_columns() const {
   add("momentum");
   add("weight");
   add("external_force");
+  add("interface_force");
   for (const SupportSet& support : model_.supports) add("reaction_" + support.group);
   for (const LineForce& force : line_forces_) add("line_force_" + force.name);
   return columns;
@@ -123,6 +124,7 @@ Result<void> Results::row(const Step& step) {
   add(momentum(model_, state.v));
   add(weight(model_, state.time));
   add(balance.external_force);
+  add(balance.interface_force);
   for (const auto& reaction : balance.reactions) add(reaction);
   for (const LineForce& force : line_forces_) add(force(model_, stress, state.u));
   DROGUE_TRY(series_.row(values));

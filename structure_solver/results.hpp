@@ -19,7 +19,8 @@ namespace drogue::structure {
 /// Writes the results of a run into one folder:
 ///   structure.csv     a row every series_interval steps: time, step, Newton iterations, energies and their
 ///                     balance (docs/theory.md), unbalance, stresses, tensions, momentum sum of m v,
-///                     weight sum of m g, sum of all loads but the fluid's, reactions, forces of line groups
+///                     weight sum of m g, sum of all other loads and of the interface's, reactions, forces of
+///                     line groups
 ///   probes.csv        displacement, velocity and acceleration of each probe
 ///   structure_N.vtu, structure.pvd   every field_interval steps, on the current positions: displacement,
 ///   velocity,

@@ -24,7 +24,8 @@ class CoupledRun:
         folder = found[-1].parent
         case = folder / "case.textproto"
         name = text_field(case.read_text(), "name") if case.exists() else None
-        return CoupledRun(name or root.resolve().name, folder, root)
+        own = root.resolve().name  # says the variant, too
+        return CoupledRun(own if not name or own.startswith(name) else name, folder, root)
 
     def drag(self) -> dict[str, np.ndarray]:
         return read_series(self.folder, "drag.csv", ["time", "force_x", "force_y", "force_z"])
@@ -60,6 +61,11 @@ class CoupledRun:
         line = next((line for line in reversed(self.closing_lines()) if line.startswith("time ")), "")
         _, _, parts = line.partition(": ")
         return {name: float(seconds) for name, seconds in re.findall(r"([a-z_ ]+?) ([\d.]+) s(?: \(\d+ %\))?(?:, |$)", parts)}
+
+    def earlier(self) -> list[pathlib.Path]:
+        """Folders of the stages before the coupled run, of the case that it goes on from first."""
+        linked = self.root / "earlier"
+        return [*([linked.resolve()] if linked.exists() else []), self.root]
 
     def configs(self) -> dict[str, str]:
         files = sorted(self.root.glob("*.textproto")) or sorted(self.folder.glob("*.textproto"))

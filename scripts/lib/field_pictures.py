@@ -105,7 +105,15 @@ def scale_of(data, name: str) -> Normalize:
     return Normalize(min(low, 0.0), high if high > low else low + 1.0)
 
 
-def draw_structure(file: pathlib.Path, axes):
+def common_boxes(files: list[pathlib.Path]) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes around the cloth, and around all, of several states of a structure; shape {3, 2} each."""
+    grids = [read_vtu(file) for file in files]
+    boxes = np.array([[box(cells_of_dimension(grid, 2)), box(grid)] for grid in grids])
+    return tuple(np.stack((boxes[:, i, :, 0].min(axis=0), boxes[:, i, :, 1].max(axis=0)), axis=1) for i in range(2))
+
+
+def draw_structure(file: pathlib.Path, axes, window: np.ndarray | None = None):
+    """@param window: box to show; default: the structure's own"""
     grid = read_vtu(file)
     cloth, lines = cells_of_dimension(grid, 2), cells_of_dimension(grid, 1)
     renderer = vtk.vtkRenderer()
@@ -123,7 +131,7 @@ def draw_structure(file: pathlib.Path, axes):
         add(renderer, cloth, colour=(0.9, 0.6, 0.2))
     if lines.GetNumberOfCells():
         add(renderer, lines, width=2, lighting=False)
-    bounds = box(grid)
+    bounds = box(grid) if window is None else window
     renderer.AutomaticLightCreationOn()
     look(renderer, bounds.mean(axis=1), direction(azimuth=25, elevation=18), half_height=0.56 * np.ptp(bounds[2]) + 1e-12)
     show(axes, pixels(renderer), scale, STRESS, "largest principal stress (unit of the case)", "Canopy and lines")
@@ -153,14 +161,15 @@ def edges_of(data):
     return edges.GetOutput()
 
 
-def draw_flow(file: pathlib.Path, structure: pathlib.Path | None, axes):
+def draw_flow(file: pathlib.Path, structure: pathlib.Path | None, axes, window: np.ndarray | None = None):
+    """@param window: box around the cloth that the view goes by; default: the cloth's own"""
     grid = read_vtu(file)
     speed = np.linalg.norm(vtk_to_numpy(grid.GetPointData().GetArray("velocity")), axis=1)
     array = numpy_to_vtk(speed, deep=True)
     array.SetName("speed")
     grid.GetPointData().AddArray(array)
     cloth = cells_of_dimension(read_vtu(structure), 2) if structure else None
-    bounds = box(cloth if cloth else grid)
+    bounds = window if window is not None else box(cloth if cloth else grid)
     centre = bounds.mean(axis=1)
     # A little off the centre, so that the plane does not run along edges of a symmetric mesh.
     centre[0] += 1e-3 * np.ptp(bounds[0])

@@ -11,6 +11,7 @@ import sys
 import matplotlib.pyplot as plt
 import numpy as np
 
+import impulse
 import report_pictures
 import series_pictures
 from coupled_run import CoupledRun
@@ -94,6 +95,29 @@ def figures(run: CoupledRun) -> list[tuple[str, str, bool]]:
             values = drag[name][settled]
             rows.append((f"{label}, mean of the second half", f"{values.mean():.5g}, rms of its change {values.std():.2g}",
                          True))
+    try:
+        defect = impulse.largest_defect(run.structure())
+    except NothingToDraw:
+        defect = None
+    if defect is not None:
+        rows.append(("change of vertical momentum against the impulse of all forces, largest difference over the "
+                     "impulse of the weight (or of all forces)", f"{defect:.2e}", defect <= 0.01))
+    return rows
+
+
+def against_others(runs: list[CoupledRun]) -> list[tuple[str, str, bool]]:
+    """Mean drag over the second half of the time that both runs have, against the first run's."""
+    rows = []
+    for other in runs[1:]:
+        both = [run.drag() for run in (runs[0], other)]
+        end = min(drag["time"][-1] for drag in both)
+        start = max(0.5 * end, *(drag["time"][0] for drag in both))
+        means = []
+        for drag in both:
+            chosen = (drag["time"] >= start) & (drag["time"] <= end)
+            means.append(drag[f"force_{report_pictures.axis_of_drag(drag)}"][chosen].mean() if chosen.any() else np.nan)
+        rows.append((f"mean drag for t from {start:.4g} to {end:.4g}: {runs[0].name}, {other.name}, difference",
+                     f"{means[0]:.5g}, {means[1]:.5g}, {100 * (means[1] / means[0] - 1):+.2f} %", True))
     return rows
 
 
@@ -107,7 +131,7 @@ def write_report(runs: list[CoupledRun], file: pathlib.Path) -> int:
                 + (f", Drogue at {revision.read_text().strip()}" if revision.exists() else "")
                 + ". All values in the units of the case.")
     report.section("Figures")
-    report.table(figures(run))
+    report.table(figures(run) + against_others(runs))
     if run.warnings():
         report.section("Warnings and errors")
         report.lines(run.warnings())
@@ -117,7 +141,8 @@ def write_report(runs: list[CoupledRun], file: pathlib.Path) -> int:
                    lambda: report_pictures.inflated(run))
     report.picture("flow", "The last state: canopy by stress, flow and fluid mesh in the plane through the axis.",
                    lambda: report_pictures.last_state(run))
-    report.picture("instants", "Fluid and structure meshes at four instants.", lambda: report_pictures.instants(run))
+    report.picture("instants", "Fluid mesh and flow in a plane that stays where it is, and structure mesh, at four instants "
+                   "0.63 apart, or equally spaced in a shorter run.", lambda: report_pictures.instants(run))
 
     report.section("Histories")
     report.picture("drag", "Drag of the canopy; broken: the weight of the system, where the structure has gravity.",
@@ -125,8 +150,12 @@ def write_report(runs: list[CoupledRun], file: pathlib.Path) -> int:
     report.picture("spectrum", "Amplitudes of the drag over frequency, of its second half.",
                    lambda: report_pictures.spectrum(runs))
     report.picture("forces", "Forces that the structure reports: reactions of supports, net forces of line groups.",
-                   lambda: report_pictures.structure_forces(run))
-    report.picture("velocities", "Velocities at the structure's probes.", lambda: report_pictures.probe_velocities(run))
+                   lambda: report_pictures.structure_forces(runs))
+    report.picture("velocities", "Velocities at the structure's probes (NAME_1, NAME_2, ...: their mean).",
+                   lambda: report_pictures.probe_velocities(runs))
+    report.picture("positions", "Displacement of the structure's probes.", lambda: report_pictures.probe_positions(runs))
+    report.picture("impulse", "Change of the structure's vertical momentum, and impulse of all forces on it.",
+                   lambda: report_pictures.impulse_balance(run))
 
     report.section("Coupling and cost")
     report.picture("residual", "Residual of every coupling iteration; iterations of every step.",
