@@ -29,6 +29,22 @@ CellGeometry geometry_of(const std::int32_t* nodes, std::span<const double> poin
   return cell;
 }
 
+/// dim! times the signed volume.
+template <int dim>
+double determinant_of(const std::int32_t* nodes, const double* points) noexcept {
+  double e[dim][dim];
+  const double* origin = points + 3 * at(nodes[0]);
+  for (int k = 0; k < dim; ++k)
+    for (int d = 0; d < dim; ++d)
+      e[k][d] = points[3 * at(nodes[k + 1]) + static_cast<std::size_t>(d)] - origin[d];
+  if constexpr (dim == 2)
+    return e[0][0] * e[1][1] - e[0][1] * e[1][0];
+  else
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+           e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
 CellGeometry geometry_of(int dimension, const std::int32_t* nodes, std::span<const double> points) {
   return dimension == 2 ? geometry_of<2>(nodes, points) : geometry_of<3>(nodes, points);
 }
@@ -240,8 +256,8 @@ double smallest_volume_ratio(const FluidMesh& mesh, std::span<const double> poin
     double ratio = std::numeric_limits<double>::infinity();
     for (std::int32_t e = 0; e < mesh.cell_count(); ++e) {
       const std::int32_t* nodes = mesh.cell(e).data();
-      ratio = std::min(ratio,
-                       geometry_of<dim>(nodes, points).volume / geometry_of<dim>(nodes, mesh.points).volume);
+      ratio = std::min(ratio, determinant_of<dim>(nodes, points.data()) /
+                                  determinant_of<dim>(nodes, mesh.points.data()));
     }
     return ratio;
   };
