@@ -72,6 +72,11 @@ class FluidProgram : public testing::Test {
                                 " case.textproto > log 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
   }
+  /// Prefix of a command that gets a signal as soon as its log holds `text`.
+  static std::string signalled(const std::string& signal, const std::string& text) {
+    return "sh -c '\"$@\" & i=0; until grep -q \"" + text + "\" log || [ $i -gt 1200 ]; do sleep 0.05; " +
+           "i=$((i + 1)); done; kill -s " + signal + " $!; wait $!' sh";
+  }
   [[nodiscard]] std::string log() const { return read(folder_ / "log"); }
 
   fs::path folder_;
@@ -244,8 +249,7 @@ TEST_F(FluidProgram, ASignalEndsTheRunAfterTheStep) {
   text = replaced(replaced(text, "OUT", "out"), "FINAL", "last.state");
   for (const char* signal : {"TERM", "INT"}) {
     fs::remove(folder_ / "last.state");
-    ASSERT_EQ(run(std::string("timeout --foreground --preserve-status -s ") + signal + " 2", "run", text), 5)
-        << log();
+    ASSERT_EQ(run(signalled(signal, "step 1/"), "run", text), 5) << log();
     EXPECT_NE(log().find("interrupted after step "), std::string::npos) << log();
     const auto last = io::read_state(folder_ / "last.state");
     ASSERT_TRUE(last.ok());
@@ -260,7 +264,7 @@ TEST_F(FluidProgram, ASignalEndsAParticipantThatWaits) {
   text.erase(first, text.find('\n', first) - first);
   text = replaced(text, " mesh_displacement { x: \"0.05*(1-x)*sin(t)*z*(2-z)\" }", "");
   text = replaced(text, "force {", "interface: \"x0\"\nforce {");
-  ASSERT_EQ(run("DROGUE_PARTICIPANT=fluid timeout --foreground --preserve-status -s TERM 2",
+  ASSERT_EQ(run("DROGUE_PARTICIPANT=fluid " + signalled("TERM", "steps is not used"),
                 "run --connect ipc://nobody", text),
             5)
       << log();
