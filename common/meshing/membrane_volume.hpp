@@ -17,8 +17,9 @@ struct MembraneVolume {
 };
 
 /// The volume of a box around an open membrane: meshed, repaired, cut open along the membrane and checked
-/// (check_volume, check_two_sided). The first nodes of the mesh are `points`. As to repeated calls see
-/// mesh_box.
+/// (check_volume, check_two_sided). A mesh with a dihedral angle below 8 degrees is made again with sizes a
+/// little different, five times at most; the best one counts. The first nodes of the mesh are `points`. As to
+/// repeated calls see mesh_box.
 ///
 /// Errors (ErrorKind::numerical): as check_membrane, mesh_box, double_nodes and the checks: a mesh that fails
 /// one is never returned.
