@@ -28,7 +28,7 @@ install(FILES ${CMAKE_BINARY_DIR}/drogueConfig.cmake ${CMAKE_BINARY_DIR}/drogueC
         DESTINATION ${drogue_package} COMPONENT participant)
 
 install(FILES participant/c/drogue_participant.h participant/c/drogue_participant.f90 DESTINATION ${drogue_headers} COMPONENT participant)
-install(FILES participant/cpp/participant.hpp DESTINATION ${drogue_headers}/participant/cpp COMPONENT participant)
+install(FILES participant/cpp/participant.hpp participant/cpp/subcycled.hpp DESTINATION ${drogue_headers}/participant/cpp COMPONENT participant)
 install(FILES common/base/result.hpp DESTINATION ${drogue_headers}/common/base COMPONENT participant)
 install(FILES ${CMAKE_BINARY_DIR}/proto/drogue/v1/wire.pb.h DESTINATION ${drogue_headers}/drogue/v1 COMPONENT participant)
 install(FILES proto/drogue/v1/wire.proto DESTINATION ${CMAKE_INSTALL_DATADIR}/drogue COMPONENT participant)

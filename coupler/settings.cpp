@@ -25,6 +25,18 @@ NonConvergence from(v1::CouplingLoop::NonConvergence policy) {
   return NonConvergence::abort;
 }
 
+Scheme from(v1::CouplingLoop::Scheme scheme) {
+  switch (scheme) {
+  case v1::CouplingLoop::SERIAL:
+    return Scheme::serial;
+  case v1::CouplingLoop::PARALLEL:
+    return Scheme::parallel;
+  case v1::CouplingLoop::STRUCTURE_FIRST:
+    return Scheme::structure_first;
+  }
+  return Scheme::serial;
+}
+
 LoadTime from(v1::CouplingLoop::Load load) {
   switch (load) {
   case v1::CouplingLoop::MATCHING:
@@ -160,10 +172,10 @@ LoopSettings loop(const v1::CouplingLoop& l, const config::Source& source, confi
             "loop.load {} does not go with loop.wall_velocity MESH_RATE: the pair converges to a wrong "
             "answer; take MEAN_OF_STEP, or STRUCTURE_RATE",
             v1::CouplingLoop::Load_Name(l.load())));
-  s.scheme = l.scheme() == v1::CouplingLoop::PARALLEL ? Scheme::parallel : Scheme::serial;
+  s.scheme = from(l.scheme());
   s.residual_relative = l.residual_relative();
   s.velocity_relative = l.velocity_relative();
-  s.load_relative = l.load_relative() > 0 || s.scheme == Scheme::serial ? l.load_relative() : l.relative();
+  s.load_relative = l.load_relative() > 0 || s.scheme != Scheme::parallel ? l.load_relative() : l.relative();
   s.stall = l.stall();
   return s;
 }

@@ -16,7 +16,7 @@ namespace drogue::coupler {
 enum class NonConvergence { abort, accept, retry };
 enum class WallVelocity { structure_rate, mesh_rate };
 enum class LoadTime { matching, end_of_step, mean_of_step, extrapolated_mean };
-enum class Scheme { serial, parallel };
+enum class Scheme { serial, parallel, structure_first };
 
 struct ParticipantSettings {
   std::string name;             ///< "fluid", "structure" or "mesh_mover"

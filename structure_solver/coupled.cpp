@@ -159,8 +159,21 @@ Result<participant::IterationReport> Coupled::iterate(const participant::Fields&
 
 Result<void> Coupled::commit(bool write_output) {
   integrator_.commit();
+  before_parts_.reset();
   advanced_ = true;
   return results_->step({integrator_.committed(), integrator_.balance(), step_iterations_, write_output});
+}
+
+Result<void> Coupled::end_part() {
+  if (!before_parts_) before_parts_ = integrator_.committed();
+  integrator_.commit();
+  return {};
+}
+
+Result<void> Coupled::undo_parts() {
+  if (before_parts_) integrator_.reset(std::move(*before_parts_));
+  before_parts_.reset();
+  return {};
 }
 
 Result<void> Coupled::finish() {

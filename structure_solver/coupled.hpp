@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "participant/cpp/participant.hpp"
+#include "participant/cpp/subcycled.hpp"
 #include "structure_solver/case.hpp"
 #include "structure_solver/results.hpp"
 
@@ -19,7 +19,7 @@ namespace drogue::structure {
 /// Initialize, "velocity" {n, 3}.
 ///
 /// Pressures, gravity and the other loads of the config act as well.
-class Coupled : public participant::Solver {
+class Coupled : public participant::PartedSolver {
  public:
   /// @param c loaded for Role::participant
   explicit Coupled(Case c);
@@ -34,6 +34,13 @@ class Coupled : public participant::Solver {
   [[nodiscard]] Result<void> rollback() override;
   [[nodiscard]] Result<void> checkpoint(const std::filesystem::path& directory) override;
   [[nodiscard]] Result<void> restore(const std::filesystem::path& directory) override;
+  [[nodiscard]] Result<void> end_part() override;
+  [[nodiscard]] Result<void> undo_parts() override;
+  [[nodiscard]] int parts() const { return case_.settings.parts; }
+  [[nodiscard]] participant::Interpolation interpolation() const {
+    return case_.settings.quadratic_inputs ? participant::Interpolation::quadratic
+                                           : participant::Interpolation::linear;
+  }
   /// Writes the fields of the last committed step unless that was done; to be called when the run has ended.
   [[nodiscard]] Result<void> finish();
 
@@ -47,7 +54,8 @@ class Coupled : public participant::Solver {
   std::vector<std::int32_t> nodes_;    // of the interface, sorted
   std::vector<double> u_initial_;      // on the interface, at Initialize
   std::vector<double> force_, target_; // work space of iterate
-  int step_iterations_ = 0;
+  std::optional<State> before_parts_;  ///< while parts of a step are done
+  int step_iterations_ = 0;            ///< with parts: of the last one
   bool resume_ = false;
   bool advanced_ = false; ///< a step was committed, or restored: there is something to write at the end
 };

@@ -12,8 +12,11 @@ Result<void> run(const std::string& file, const std::string& endpoint) {
   auto c = structure::load_case(file, Role::participant);
   if (!c) return c.error();
   structure::Coupled solver(std::move(*c));
+  participant::Subcycled in_parts(solver, solver.parts(), solver.interpolation());
+  participant::Solver& served_solver =
+      solver.parts() > 1 ? static_cast<participant::Solver&>(in_parts) : solver;
   const Result<void> served =
-      participant::serve(solver, participant::serve_options_from_environment(endpoint));
+      participant::serve(served_solver, participant::serve_options_from_environment(endpoint));
   const Result<void> finished = solver.finish();
   return served ? finished : served;
 }

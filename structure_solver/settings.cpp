@@ -158,6 +158,12 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.newton = {m.newton().displacement_tolerance(), m.newton().residual_tolerance(),
               m.newton().max_iterations(), m.newton().iterations_per_coupling(), m.newton().load_stiffness()};
   s.interface = m.interface();
+  s.parts = m.subcycling().parts();
+  s.quadratic_inputs = m.subcycling().interpolation() == v1::Subcycling::QUADRATIC;
+  if (s.parts > 1 && s.newton.iterations_per_coupling > 0)
+    report.error(s.source.where("subcycling.parts"),
+                 "subcycling does not go with newton.iterations_per_coupling: every part is iterated to the "
+                 "tolerance; leave that out");
   s.threads = m.threads();
   s.output = {m.output().directory(), m.output().field_interval(), m.output().series_interval()};
   for (const auto& p : m.probe()) s.probes.push_back({p.name(), {p.x(), p.y(), p.z()}});

@@ -132,7 +132,9 @@ struct Settings {
   TimeSettings time;
   NewtonSettings newton;
   std::string interface;
-  int threads = 0; ///< of the assembly; 0: one for each processor, or OMP_NUM_THREADS
+  int parts = 1;                 ///< steps of its own within a step of the coupling
+  bool quadratic_inputs = false; ///< over these parts; else linear
+  int threads = 0;               ///< of the assembly; 0: one for each processor, or OMP_NUM_THREADS
   OutputSettings output;
   std::vector<ProbeSettings> probes;
   std::vector<LineForceSettings> line_forces;

@@ -164,42 +164,59 @@ Result<Fields> Exchange::structure_inputs(std::span<const double> d, std::span<c
   return inputs;
 }
 
-Result<void> Exchange::fluid_side(const Station& at, LoadShare share, std::span<const double> d,
-                                  std::span<const double> v, std::span<const double> v_start,
-                                  IterationRecord& record) {
+Result<void> Exchange::end_structure(std::vector<double>& d_tilde, std::vector<double>& v_tilde) {
+  auto outputs = participants_.end_structure();
+  if (!outputs) return outputs.error();
+  d_tilde = std::move(outputs->at("displacement").values);
+  v_tilde = std::move(outputs->at("velocity").values);
+  return {};
+}
+
+Result<void> Exchange::structure(const Station& at, std::span<const double> d, std::span<const double> force,
+                                 std::vector<double>& d_tilde, std::vector<double>& v_tilde) {
+  auto inputs = structure_inputs(d, force);
+  if (!inputs) return inputs.error();
+  DROGUE_TRY(participants_.begin_structure(at, std::move(*inputs)));
+  return end_structure(d_tilde, v_tilde);
+}
+
+Result<void> Exchange::fluid(const Station& at, LoadShare share, std::span<const double> d,
+                             std::span<const double> v, std::span<const double> v_start,
+                             IterationRecord& record) {
   auto mesh_displacement = move_mesh(at, d, record);
   if (!mesh_displacement) return mesh_displacement.error();
   const auto load = solve_flow(at, std::move(*mesh_displacement), v, v_start);
   if (!load) return load.error();
-  return transfer_load(*load, share, d, v, record);
+  DROGUE_TRY(transfer_load(*load, share, d, v, record));
+  report(record);
+  return {};
+}
+
+/// The solvers' own iterations in their last solves.
+void Exchange::report(IterationRecord& record) const {
+  record.fluid_inner_iterations = participants_.fluid_report().inner_iterations();
+  record.fluid_inner_residual = participants_.fluid_report().inner_residual();
+  record.structure_inner_iterations = participants_.structure_report().inner_iterations();
+  record.structure_inner_residual = participants_.structure_report().inner_residual();
 }
 
 Result<void> Exchange::evaluate(const Station& at, LoadShare share, std::span<const double> d,
                                 std::span<const double> v, std::span<const double> v_start,
                                 std::span<const double> given_force, std::vector<double>& d_tilde,
                                 std::vector<double>& v_tilde, IterationRecord& record) {
-  const bool at_once = !given_force.empty();
-  if (at_once) {
+  if (given_force.empty()) {
+    DROGUE_TRY(fluid(at, share, d, v, v_start, record));
+    DROGUE_TRY(structure(at, d, force_, d_tilde, v_tilde));
+  } else {
     auto inputs = structure_inputs(d, given_force);
     if (!inputs) return inputs.error();
     DROGUE_TRY(participants_.begin_structure(at, std::move(*inputs)));
+    const auto flow = fluid(at, share, d, v, v_start, record);
+    const auto answer = end_structure(d_tilde, v_tilde); // where the fluid failed, too: before a rollback
+    if (!flow) return flow.error();
+    if (!answer) return answer.error();
   }
-  const auto flow = fluid_side(at, share, d, v, v_start, record);
-  if (!flow && !at_once) return flow.error();
-  if (!at_once) {
-    auto inputs = structure_inputs(d, force_);
-    if (!inputs) return inputs.error();
-    DROGUE_TRY(participants_.begin_structure(at, std::move(*inputs)));
-  }
-  auto outputs = participants_.end_structure(); // even where the fluid failed: it answers before a rollback
-  if (!flow) return flow.error();
-  if (!outputs) return outputs.error();
-  record.fluid_inner_iterations = participants_.fluid_report().inner_iterations();
-  record.fluid_inner_residual = participants_.fluid_report().inner_residual();
-  record.structure_inner_iterations = participants_.structure_report().inner_iterations();
-  record.structure_inner_residual = participants_.structure_report().inner_residual();
-  d_tilde = std::move(outputs->at("displacement").values);
-  v_tilde = std::move(outputs->at("velocity").values);
+  report(record);
   return {};
 }
 

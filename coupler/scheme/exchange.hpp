@@ -36,6 +36,14 @@ class Exchange {
                                       std::span<const double> v, std::span<const double> v_start,
                                       std::span<const double> given_force, std::vector<double>& d_tilde,
                                       std::vector<double>& v_tilde, IterationRecord& record);
+  /// The structure alone, under nodal forces; d is where its iteration starts.
+  [[nodiscard]] Result<void> structure(const Station& at, std::span<const double> d,
+                                       std::span<const double> force, std::vector<double>& d_tilde,
+                                       std::vector<double>& v_tilde);
+  /// Mesh mover and fluid alone: their load is then force().
+  [[nodiscard]] Result<void> fluid(const Station& at, LoadShare share, std::span<const double> d,
+                                   std::span<const double> v, std::span<const double> v_start,
+                                   IterationRecord& record);
   /// From now on the structure takes f + weight (f - last), f the fluid's nodal forces: its means of the step
   /// and of the step before brought to the end of the step with the weight dt / (dt + dt_before).
   void extrapolate(std::span<const double> last, double weight);
@@ -65,10 +73,8 @@ class Exchange {
                                                            participant::FloatArray mesh_displacement,
                                                            std::span<const double> v,
                                                            std::span<const double> v_start);
-  /// Mesh mover and fluid: fills force_.
-  [[nodiscard]] Result<void> fluid_side(const Station& at, LoadShare share, std::span<const double> d,
-                                        std::span<const double> v, std::span<const double> v_start,
-                                        IterationRecord& record);
+  [[nodiscard]] Result<void> end_structure(std::vector<double>& d_tilde, std::vector<double>& v_tilde);
+  void report(IterationRecord& record) const;
   [[nodiscard]] Result<participant::Fields> structure_inputs(std::span<const double> d,
                                                              std::span<const double> force);
   [[nodiscard]] Result<void> transfer_load(const participant::FloatArray& load, LoadShare share,

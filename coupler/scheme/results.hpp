@@ -14,11 +14,12 @@ using Vector3 = std::array<double, 3>;
 /// One coupling iteration: a row of coupling.csv.
 struct IterationRecord {
   double step = 0, attempt = 0, iteration = 0, time = 0;
-  double residual_relative = 0; ///< ||r|| / max(||d - d_n||, floor)
-  double residual_absolute = 0; ///< ||r||, L2 over the square root of the area [length]
-  double increment = 0;         ///< ||d~ - d_n|| [length]
-  double velocity_residual = 0; ///< ||v~ - v|| dt / max(increment, floor)
-  double sweep_defect = 0;      ///< ||(v_start + v)/2 dt - (d - d_n)|| / max(increment, floor)
+  double residual_relative = 0; ///< ||r|| / max(increment, floor)
+  double residual_absolute =
+      0;                ///< ||r||, L2 over the square root of the area [length]; STRUCTURE_FIRST: [stress]
+  double increment = 0; ///< ||d~ - d_n||, of the same dimension; STRUCTURE_FIRST: of the load
+  double velocity_residual = 0; ///< ||v~ - v|| dt / max(||d~ - d_n||, floor)
+  double sweep_defect = 0;      ///< ||(v_start + v)/2 dt - (d - d_n)|| / max(||d~ - d_n||, floor)
   Vector3 force_fluid{};        ///< integral of the load over the fluid surface [force]
   Vector3 force_structure{};    ///< sum of the nodal forces [force]
   double force_defect = 0;      ///< |difference| / max(|force_fluid|, tiny)
@@ -34,8 +35,7 @@ struct IterationRecord {
   /// The solvers' own iterations in this solve, and their residual after them relative to the step's first.
   double fluid_inner_iterations = 0, fluid_inner_residual = 0;
   double structure_inner_iterations = 0, structure_inner_residual = 0;
-  double load_change =
-      0; ///< of the nodal forces, against those before (SERIAL: last iteration; PARALLEL: given)
+  double load_change = 0; ///< of the nodal forces, against those before (SERIAL: last iteration; else: given)
   double inner_converged = 1; ///< 1: the solvers' own iterations allow the step to end here
 };
 

@@ -45,19 +45,23 @@ Result<StepLoop> StepLoop::create(Participants& participants, Exchange& exchange
                                   const CaseSettings& settings) {
   StepLoop loop(participants, exchange, results, settings);
   const std::size_t size = exchange.structure_size();
-  for (std::vector<double>* v : {&loop.n_.d, &loop.n_.v, &loop.d_, &loop.v_, &loop.d_tilde_, &loop.v_tilde_,
-                                 &loop.r_, &loop.work_, &loop.d_before_, &loop.d_tilde_before_})
+  for (std::vector<double>* v :
+       {&loop.n_.d, &loop.n_.v, &loop.d_, &loop.v_, &loop.d_tilde_, &loop.v_tilde_, &loop.work_})
     v->assign(size, 0.0);
   if (const auto& v = participants.structure_interface.velocity; !v.empty()) loop.n_.v = v;
   for (const double area : exchange.areas()) loop.weights_.insert(loop.weights_.end(), 3, area);
   loop.f_.assign(size, 0.0);
-  loop.f_n_.assign(size, 0.0);
+  loop.n_.f.assign(size, 0.0);
   loop.mean_n_.assign(size, 0.0);
   if (settings.loop.scheme == Scheme::parallel) {
     loop.x_.resize(2 * size);
     loop.h_.resize(2 * size);
     const std::vector<double> areas = loop.weights_;
     loop.weights_.insert(loop.weights_.end(), areas.begin(), areas.end());
+  }
+  if (settings.loop.scheme == Scheme::structure_first) {
+    loop.x_.resize(size);
+    loop.h_.resize(size);
   }
   DROGUE_TRY(loop.use_step(settings.time_step));
   return loop;
@@ -66,7 +70,9 @@ Result<StepLoop> StepLoop::create(Participants& participants, Exchange& exchange
 Result<void> StepLoop::use_step(double time_step) {
   auto& accelerator = accelerators_[time_step];
   if (!accelerator) {
-    auto made = acceleration::make_accelerator(settings_.acceleration, weights_.size(), d_.size(), weights_);
+    // In STRUCTURE_FIRST the structure gives the velocity anew in each iteration.
+    const std::size_t passenger = settings_.loop.scheme == Scheme::structure_first ? 0 : d_.size();
+    auto made = acceleration::make_accelerator(settings_.acceleration, weights_.size(), passenger, weights_);
     if (!made) return made.error();
     accelerator = std::move(*made);
   }
@@ -135,6 +141,33 @@ LoadShare StepLoop::load_share(double time) const {
   return {settings_.load_factor(0, 0, 0, time), settings_.withheld_first_load(0, 0, 0, time)};
 }
 
+/// The fluid's walls, for the displacement d_ and its rate v_.
+void StepLoop::set_wall_velocity(double time_step) {
+  if (settings_.loop.wall_velocity == WallVelocity::structure_rate) {
+    v_start_ = n_.v; // the structure's committed rate, not the last iterate's
+    return;
+  }
+  for (std::size_t i = 0; i < d_.size(); ++i) v_[i] = (d_[i] - n_.d[i]) / time_step;
+  v_start_ = v_;
+}
+
+/// H once: of (d_, v_) and in PARALLEL of f_, or in STRUCTURE_FIRST of f_ alone, where (d_, v_) become what
+/// the structure answers with.
+Result<void> StepLoop::sweep(const Station& at, LoadShare share, double time_step) {
+  if (settings_.loop.scheme == Scheme::structure_first) {
+    DROGUE_TRY(exchange_.structure(at, d_, f_, d_tilde_, v_tilde_));
+    d_ = d_tilde_;
+    v_ = v_tilde_;
+    set_wall_velocity(time_step);
+    return exchange_.fluid(at, share, d_, v_, v_start_, record_);
+  }
+  set_wall_velocity(time_step);
+  const bool parallel = settings_.loop.scheme == Scheme::parallel;
+  return exchange_.evaluate(at, share, d_, v_, v_start_,
+                            parallel ? std::span<const double>(f_) : std::span<const double>(), d_tilde_,
+                            v_tilde_, record_);
+}
+
 Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double time_step) {
   const LoopSettings& loop = settings_.loop;
   const LoadShare share = load_share(time + time_step);
@@ -143,8 +176,6 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
   predict(time_step);
   if (participants_.load_time() == LoadTime::extrapolated_mean && known_levels_ > 1)
     exchange_.extrapolate(mean_n_, time_step / (time_step + n_.time_step));
-  const bool parallel = loop.scheme == Scheme::parallel;
-  f_ = f_n_;
   Stall stall(loop.stall);
 
   Outcome outcome;
@@ -152,15 +183,7 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
   for (int k = 1; k <= loop.max_iterations; ++k) {
     at.iteration = static_cast<std::uint32_t>(k);
     record_ = {};
-    if (loop.wall_velocity == WallVelocity::mesh_rate) {
-      for (std::size_t i = 0; i < d_.size(); ++i) v_[i] = (d_[i] - n_.d[i]) / time_step;
-      v_start_ = v_;
-    } else {
-      v_start_ = n_.v; // the structure's committed rate, not the last iterate's
-    }
-    const std::span<const double> given = parallel ? std::span<const double>(f_) : std::span<const double>();
-    const auto evaluated =
-        exchange_.evaluate(at, share, d_, v_, v_start_, given, d_tilde_, v_tilde_, record_);
+    const auto evaluated = sweep(at, share, time_step);
     if (!evaluated && !curable(evaluated.error())) return evaluated.error();
     if (!evaluated) {
       outcome.trouble = evaluated.error().message;
@@ -189,7 +212,7 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     }
     const bool goes_on = !outcome.converged && !diverged && verdict != Stall::Verdict::stop;
     if (goes_on && k < loop.max_iterations) DROGUE_TRY(next_iterate());
-    if (!parallel) f_.assign(exchange_.force().begin(), exchange_.force().end());
+    if (loop.scheme == Scheme::serial) f_.assign(exchange_.force().begin(), exchange_.force().end());
     DROGUE_TRY(results_.iteration(record_));
     spdlog::debug("step {} iteration {}: residual {:.2e} of the increment", at.step, k,
                   record_.residual_relative);
@@ -215,21 +238,6 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
     outcome.trouble = fmt::format("residual {:.2e} of the increment after {} iterations (asked: {:.0e})",
                                   record_.residual_relative, outcome.iterations, loop.relative);
   return outcome;
-}
-
-bool StepLoop::is_small(double first_residual) const {
-  const LoopSettings& loop = settings_.loop;
-  const auto holds = [](double asked, double value) { return !(asked > 0) || value <= asked; };
-  return (record_.residual_relative <= loop.relative || record_.residual_absolute <= loop.absolute) &&
-         holds(loop.residual_relative * first_residual, record_.residual_absolute) &&
-         holds(loop.velocity_relative, record_.velocity_residual) &&
-         holds(loop.load_relative, record_.load_change);
-}
-
-/// L2 norm of the load whose nodal forces are given, over the square root of the area [stress].
-double StepLoop::density_norm(std::span<const double> force) {
-  for (std::size_t i = 0; i < force.size(); ++i) work_[i] = force[i] / weights_[i];
-  return exchange_.norm(work_);
 }
 
 StepLoop::Unknown StepLoop::unknown() {
@@ -268,10 +276,25 @@ Result<void> StepLoop::next_of_both(const Unknown& u) {
   return {};
 }
 
+/// The load density alone.
+Result<void> StepLoop::next_load() {
+  const std::span<const double> f_tilde = exchange_.force();
+  for (std::size_t i = 0; i < f_.size(); ++i) {
+    x_[i] = f_[i] / weights_[i];
+    h_[i] = f_tilde[i] / weights_[i];
+  }
+  if (!accelerator_->next({x_, h_}, x_))
+    return numerical_error("the accelerator met a value that is not finite");
+  for (std::size_t i = 0; i < f_.size(); ++i) f_[i] = x_[i] * weights_[i];
+  return {};
+}
+
 Result<void> StepLoop::next_iterate() {
   const Unknown u = unknown();
   if (settings_.loop.scheme == Scheme::parallel) {
     DROGUE_TRY(next_of_both(u));
+  } else if (settings_.loop.scheme == Scheme::structure_first) {
+    DROGUE_TRY(next_load());
   } else if (!accelerator_->next({u.x, u.h, u.x_follower, u.h_follower}, u.x, u.x_follower)) {
     return numerical_error("the accelerator met a value that is not finite");
   }
@@ -282,65 +305,13 @@ Result<void> StepLoop::next_iterate() {
   return {};
 }
 
-/// Extrapolates d and v from the last levels (Lagrange polynomials over steps of any length).
-void StepLoop::predict(double time_step) {
-  const int order = std::min(settings_.loop.predictor, known_levels_ - 1);
-  const double a = n_.time_step, b = n_minus_1_.time_step, h = time_step;
-  double w0 = 1, w1 = 0, w2 = 0;
-  if (order == 1) {
-    w0 = 1 + h / a;
-    w1 = -h / a;
-  } else if (order == 2) {
-    w0 = (h + a) * (h + a + b) / (a * (a + b));
-    w1 = -h * (h + a + b) / (a * b);
-    w2 = h * (h + a) / ((a + b) * b);
-  }
-  for (std::size_t i = 0; i < d_.size(); ++i) {
-    d_[i] = w0 * n_.d[i] + (w1 != 0 ? w1 * n_minus_1_.d[i] : 0) + (w2 != 0 ? w2 * n_minus_2_.d[i] : 0);
-    v_[i] = w0 * n_.v[i] + (w1 != 0 ? w1 * n_minus_1_.v[i] : 0) + (w2 != 0 ? w2 * n_minus_2_.v[i] : 0);
-  }
-}
-
-void StepLoop::measure(double time_step) {
-  const std::size_t n = d_.size();
-  for (std::size_t i = 0; i < n; ++i) work_[i] = d_tilde_[i] - n_.d[i];
-  record_.increment = exchange_.norm(work_);
-  const double scale = std::max(record_.increment, settings_.loop.floor);
-  for (std::size_t i = 0; i < n; ++i) r_[i] = d_tilde_[i] - d_[i];
-  record_.residual_absolute = exchange_.norm(r_);
-  record_.residual_relative = record_.residual_absolute / scale;
-  for (std::size_t i = 0; i < n; ++i) work_[i] = (v_tilde_[i] - v_[i]) * time_step;
-  record_.velocity_residual = exchange_.norm(work_) / scale;
-  const std::span<const double> f_tilde = exchange_.force();
-  for (std::size_t i = 0; i < n; ++i) work_[i] = f_tilde[i] - f_[i];
-  const double of_load = std::sqrt(std::inner_product(f_tilde.begin(), f_tilde.end(), f_tilde.begin(), 0.0));
-  record_.load_change = std::sqrt(std::inner_product(work_.begin(), work_.end(), work_.begin(), 0.0)) /
-                        std::max(of_load, 1e-300);
-  for (std::size_t i = 0; i < n; ++i) work_[i] = 0.5 * (v_start_[i] + v_[i]) * time_step - (d_[i] - n_.d[i]);
-  record_.sweep_defect = exchange_.norm(work_) / scale;
-}
-
-/// From two evaluations of the first step: H carries -M_added/M_structure of a change of d back.
-void StepLoop::learn_added_mass(int iteration) {
-  if (settings_.loop.scheme == Scheme::parallel) return; // there d~ answers to another load than that of d
-  if (totals_.added_mass_ratio == 0 && iteration == 2) {
-    for (std::size_t i = 0; i < d_.size(); ++i) work_[i] = d_[i] - d_before_[i];
-    const double dd = exchange_.norm(work_);
-    for (std::size_t i = 0; i < d_.size(); ++i) work_[i] = d_tilde_[i] - d_tilde_before_[i];
-    if (dd > 0) totals_.added_mass_ratio = exchange_.norm(work_) / dd;
-  }
-  d_before_ = d_;
-  d_tilde_before_ = d_tilde_;
-}
-
 Result<void> StepLoop::finish(const Station& at, const Outcome& outcome, double time, double time_step,
                               bool whole_step) {
   DROGUE_TRY(participants_.commit(at, whole_step));
   accelerator_->end_step(outcome.converged);
   std::swap(n_minus_2_, n_minus_1_);
   std::swap(n_minus_1_, n_);
-  n_ = {d_tilde_, v_tilde_, time_step};
-  f_n_.assign(exchange_.force().begin(), exchange_.force().end());
+  n_ = {d_tilde_, v_tilde_, {exchange_.force().begin(), exchange_.force().end()}, time_step};
   mean_n_.assign(exchange_.given_force().begin(), exchange_.given_force().end());
   known_levels_ = std::min(known_levels_ + 1, 3);
 

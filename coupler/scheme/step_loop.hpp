@@ -37,6 +37,8 @@ struct LoopTotals {
 ///     step, but the first iterate, which is extrapolated, does not: a residual of d would leave a wrong v in
 ///     the flow. Where the wall moves with d alone (MESH_RATE) d and v change places.
 /// In PARALLEL the structure takes in 2 the load f of the last iterate, and v and f are accelerated together.
+/// In STRUCTURE_FIRST the load f is the unknown: the structure takes it, mesh and flow follow the structure's
+/// answer, r = f~ - f as a load per area takes the place of d~ - d in 3, and 4 accelerates f.
 /// A residual that stalls makes the accelerator start anew, and ends the iteration when it stalls again.
 ///   5 commit, or the policy for non-convergence
 class StepLoop {
@@ -57,7 +59,7 @@ class StepLoop {
 
  private:
   struct Level { ///< interface state at one time
-    std::vector<double> d, v;
+    std::vector<double> d, v, f;
     double time_step = 0; ///< length of the step that led here
   };
   /// A step, or the part of one that is done in halves: fields are written at the end of whole steps.
@@ -89,12 +91,16 @@ class StepLoop {
   [[nodiscard]] Result<void> change_mesh(const Station& at, double time);
   [[nodiscard]] LoadShare load_share(double time) const;
   void predict(double time_step);
+  void set_wall_velocity(double time_step);
+  [[nodiscard]] Result<void> sweep(const Station& at, LoadShare share, double time_step);
+  [[nodiscard]] double distance(std::span<const double> a, std::span<const double> b);
   void measure(double time_step);
   void learn_added_mass(int iteration);
   [[nodiscard]] bool is_small(double first_residual) const;
   [[nodiscard]] double density_norm(std::span<const double> force);
   [[nodiscard]] Unknown unknown();
   [[nodiscard]] Result<void> next_of_both(const Unknown& u);
+  [[nodiscard]] Result<void> next_load();
   [[nodiscard]] Result<void> next_iterate();
 
   Participants& participants_;
@@ -111,13 +117,13 @@ class StepLoop {
   int known_levels_ = 1;
   bool step_unconverged_ = false;
   std::uint32_t attempt_ = 0; ///< of the present step: rises with every part and every retry
-  std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, r_, work_;
-  std::vector<double> d_before_, d_tilde_before_;
-  std::vector<double> f_;      ///< nodal forces: PARALLEL, of the iterate; SERIAL, of the last iteration
-  std::vector<double> f_n_;    ///< at the end of the last step
+  std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, work_;
+  std::vector<double> x_before_, h_before_;
+  std::vector<double> f_;      ///< nodal forces: of the iterate; SERIAL: of the last iteration
   std::vector<double> mean_n_; ///< nodal forces as the fluid gave them, at the end of the last step
   double load_scale_ = 0; ///< PARALLEL: velocity (or length) per load, weighs v against f; 0: not known yet
-  std::vector<double> x_, h_; ///< PARALLEL: v (or d) and scaled load densities
+  std::vector<double> x_,
+      h_; ///< PARALLEL: v (or d) and scaled load densities; STRUCTURE_FIRST: load densities
   IterationRecord record_;
   LoopTotals totals_, totals_before_; ///< now, and before the present step
   std::uint64_t results_before_ = 0;  ///< length of coupling.csv before the present step

@@ -83,9 +83,9 @@ void StepLoop::save(io::State& state) const {
     const std::string name = fmt::format("level_{}", i);
     put(state, name + ".d", levels[i]->d);
     put(state, name + ".v", levels[i]->v);
+    put(state, name + ".load", levels[i]->f);
     put(state, name + ".time_step", {levels[i]->time_step});
   }
-  put(state, "load", f_n_);
   put(state, "given_load", mean_n_);
   put(state, "first_load", exchange_.first_force());
   put(state, "load_scale", {load_scale_});
@@ -108,9 +108,8 @@ Result<void> StepLoop::load(const io::State& state) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(known_levels_); ++i) {
     const std::string name = fmt::format("level_{}", i);
     *levels[i] = {from.vector(name + ".d", d_.size()), from.vector(name + ".v", v_.size()),
-                  from.number(name + ".time_step")};
+                  from.vector(name + ".load", f_.size()), from.number(name + ".time_step")};
   }
-  f_n_ = from.vector("load", f_n_.size());
   mean_n_ = from.vector("given_load", mean_n_.size());
   exchange_.set_first_force(from.vector("first_load"));
   load_scale_ = from.number("load_scale");

@@ -111,10 +111,10 @@ TEST(Oscillator, SmallConstantRelaxationConvergesToTheSame) {
               1e-7 * 0.01);
 }
 
-/// Fluid and structure at the same time, and the multi-vector Jacobian: the same solution.
+/// Structure first, fluid and structure at the same time, and the multi-vector Jacobian: the same solution.
 TEST(Oscillator, EverySchemeFollowsTheSameSolution) {
   const auto exact = oscillator(12, 0.02);
-  for (const std::string scheme : {"SERIAL", "PARALLEL"})
+  for (const std::string scheme : {"SERIAL", "PARALLEL", "STRUCTURE_FIRST"})
     for (const std::string method : {"IQN_ILS", "IQN_IMVJ"}) {
       const auto folder = fresh_folder(scheme + method);
       ASSERT_EQ(run_coupler(write_case(
@@ -129,6 +129,19 @@ TEST(Oscillator, EverySchemeFollowsTheSameSolution) {
         EXPECT_NEAR(drag.at(n, "mean_displacement_z"), exact[n], 1e-7 * 0.01)
             << scheme << " " << method << n + 1;
     }
+}
+
+/// One factor does where the load alone is accelerated; the added mass is seen from that side as well.
+TEST(Oscillator, StructureFirstConvergesByAitkenAndWarnsOfTheAddedMass) {
+  const auto folder = fresh_folder("aitken");
+  ASSERT_EQ(run_coupler(write_case(folder, {.steps = 4,
+                                            .extra = "acceleration { method: AITKEN } loop { relative: 1e-8 "
+                                                     "predictor: 2 scheme: STRUCTURE_FIRST }"})),
+            0)
+      << read_text(folder / "output.txt");
+  EXPECT_NEAR(read_csv(folder / "run/drag.csv").at(3, "mean_displacement_z"), oscillator(4, 0.02)[3], 1e-9);
+  EXPECT_NE(read_text(folder / "output.txt").find("answers with about 9.9"), std::string::npos)
+      << read_text(folder / "output.txt");
 }
 
 /// Criteria of other fields beside that of the displacement: all must hold.

@@ -32,7 +32,8 @@ struct Layers {
   int steps = 60;
   std::string loop = "relative: 1e-4";
   std::string acceleration = "relaxation: 0.1";
-  std::string fluid = {}; ///< further fields
+  std::string fluid = {};     ///< further fields
+  std::string structure = {}; ///< further fields
 
   [[nodiscard]] double membrane_mass() const { return fluid_mass() / ratio; }
   [[nodiscard]] double omega() const { return std::sqrt(tension * k * k / (membrane_mass() + fluid_mass())); }
@@ -73,8 +74,8 @@ void write_solvers(const std::filesystem::path& folder, const Layers& c) {
       "support {{ group: 'membrane' components: 'x' }}\n"
       "time {{ step: {} rho_infinity: 0.9 balanced_start: true }}\n"
       "newton {{ displacement_tolerance: 1e-12 }}\n"
-      "output {{ field_interval: 0 }}\n",
-      c.membrane_mass() / 0.001, tension / 0.001, c.dt());
+      "output {{ field_interval: 0 }}\n{}",
+      c.membrane_mass() / 0.001, tension / 0.001, c.dt(), c.structure);
   std::ofstream(folder / "fluid.textproto")
       << fmt::format("mesh: 'fluid.msh' density: {} dynamic_viscosity: 1e-6\n"
                      "phase {{ formulation: DSD_SST step: {} }}\n"
@@ -177,6 +178,16 @@ void verify_swing(const std::string& name, const Layers& c) {
 }
 
 #ifndef DROGUE_FINE
+/// The membrane in three steps of its own to one of the fluid's.
+TEST(AddedMass, OfTenTimesAMembraneInSmallerSteps) {
+  const std::string name = "layers_membrane_in_parts";
+  const Layers c{.steps = 50, .structure = "subcycling { parts: 3 }\n"};
+  const Answer a = swing(name, c);
+  verify_relative("coupler/" + name, "omega", a.swing.omega, c.omega(), 0.01);
+  verify("coupler/" + name, "decay_per_period", a.swing.decay, 0, 0.02);
+  verify("coupler/" + name, "iterations", a.run.mean_iterations(), 0, 10);
+}
+
 TEST(AddedMass, OfTenTimesTheMembrane) {
   verify_swing("layers_mass_10_coarse", {.steps = 50});
 }
@@ -229,6 +240,7 @@ TEST(AddedMass, ByAccelerator) {
                  alone = iterations("iqn_ils_without_reuse", ratio, "SERIAL", "reuse_steps: 0"),
                  ils = iterations("iqn_ils", ratio, "SERIAL", ""),
                  imvj = iterations("iqn_imvj", ratio, "SERIAL", "method: IQN_IMVJ");
+    (void)iterations("structure_first_iqn_ils", ratio, "STRUCTURE_FIRST", "");
     (void)iterations("parallel_iqn_ils", ratio, "PARALLEL", "");
     (void)iterations("parallel_iqn_imvj", ratio, "PARALLEL", "method: IQN_IMVJ");
     if (ratio == 1) continue; // there any of them does
