@@ -105,23 +105,5 @@ TEST_F(Remesh, ACollapseGoesOnAndTheDragDoesNotJump) {
   expect_the_same_after_a_resume("ranks", 8, steps_on_two_ranks);
 }
 
-/// Two steps with tight tolerances: the same on two ranks.
-TEST_F(Remesh, TwoRanksDoAsOneDoes) {
-  prepare();
-  write_case(2);
-  ASSERT_FALSE(HasFailure()) << "before the coupled runs";
-  change("case.textproto", "relative: 1e-3", "relative: 1e-6");
-  change("mesh.textproto", "tolerance: 1e-4", "tolerance: 1e-9");
-  run("coupler", "run", "case.textproto", std::chrono::minutes(10));
-  change("case.textproto", "kept/run", "ranks/run");
-  on_two_ranks();
-  run("coupler", "run", "case.textproto", std::chrono::minutes(10));
-  const Table one = table("kept/run/drag.csv"), two = table("ranks/run/drag.csv");
-  ASSERT_EQ(one.rows.size(), 2u);
-  ASSERT_EQ(two.rows.size(), 2u);
-  verify("mesh/two_ranks_t10_quick", "drag_difference",
-         std::max(drag_change(one, two, 0), drag_change(one, two, 1)), 0, 1e-5);
-}
-
 } // namespace
 } // namespace drogue::test
