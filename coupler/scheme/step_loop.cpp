@@ -240,8 +240,12 @@ Result<StepLoop::Outcome> StepLoop::iterate(Station& at, double time, double tim
   return outcome;
 }
 
+/// Relaxation carries the follower's own error along, a factor 1 - omega smaller in each iteration: there the
+/// unknown is the field that is asked to converge.
 StepLoop::Unknown StepLoop::unknown() {
-  if (settings_.loop.wall_velocity == WallVelocity::mesh_rate) return {d_, d_tilde_, v_, v_tilde_};
+  const auto method = settings_.acceleration.method;
+  const bool relaxes = method == acceleration::Method::constant || method == acceleration::Method::aitken;
+  if (relaxes || settings_.loop.wall_velocity == WallVelocity::mesh_rate) return {d_, d_tilde_, v_, v_tilde_};
   return {v_, v_tilde_, d_, d_tilde_};
 }
 

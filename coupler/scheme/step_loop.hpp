@@ -35,7 +35,7 @@ struct LoopTotals {
 ///   4 accelerate v, to whose change the fluid's inertia answers; d by the same affine combination; go to 2.
 ///     The structure's own d~ and v~ lie on a line in every node, d~ = v~ dt / kappa + a constant of the
 ///     step, but the first iterate, which is extrapolated, does not: a residual of d would leave a wrong v in
-///     the flow. Where the wall moves with d alone (MESH_RATE) d and v change places.
+///     the flow. Where the wall moves with d alone (MESH_RATE), and in relaxation, d and v change places.
 /// In PARALLEL the structure takes in 2 the load f of the last iterate, and v and f are accelerated together.
 /// In STRUCTURE_FIRST the load f is the unknown: the structure takes it, mesh and flow follow the structure's
 /// answer, r = f~ - f as a load per area takes the place of d~ - d in 3, and 4 accelerates f.

@@ -131,6 +131,18 @@ TEST(Oscillator, EverySchemeFollowsTheSameSolution) {
     }
 }
 
+/// From a start whose displacement and velocity do not belong together.
+TEST(Oscillator, AitkenConvergesFromAnExtrapolatedStart) {
+  const auto folder = fresh_folder("aitken_predicted");
+  ASSERT_EQ(run_coupler(write_case(folder, {.steps = 10,
+                                            .extra = "acceleration { method: AITKEN } "
+                                                     "loop { relative: 1e-7 predictor: 2 }"})),
+            0)
+      << read_text(folder / "output.txt");
+  EXPECT_NEAR(read_csv(folder / "run/drag.csv").at(9, "mean_displacement_z"), oscillator(10, 0.02)[9],
+              1e-6 * 0.01);
+}
+
 /// One factor does where the load alone is accelerated; the added mass is seen from that side as well.
 TEST(Oscillator, StructureFirstConvergesByAitkenAndWarnsOfTheAddedMass) {
   const auto folder = fresh_folder("aitken");
