@@ -132,8 +132,7 @@ TEST(Subcycled, DoesWhatTheSolverDoesInSmallSteps) {
 TEST(Subcycled, ConvergesWithTheOrderOfTheInterpolation) {
   const Force f = [](double t) { return t * t * t * t; };
   const auto error = [&](int steps, Interpolation interpolation) {
-    return std::abs(motion(f, 2, steps, 2000 / steps, interpolation) -
-                    (4 - 3 + 0.375 * (1 - std::cos(4.0))));
+    return std::abs(motion(f, 2, steps, 2000 / steps, interpolation) - (4 - 3 + 0.375 * (1 - std::cos(4.0))));
   };
   const auto order = [&](Interpolation i) { return std::log2(error(10, i) / error(20, i)); };
   EXPECT_NEAR(order(Interpolation::linear), 2, 0.3);
