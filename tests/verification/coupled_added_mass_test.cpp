@@ -241,8 +241,10 @@ TEST(AddedMass, ByAccelerator) {
                  ils = iterations("iqn_ils", ratio, "SERIAL", ""),
                  imvj = iterations("iqn_imvj", ratio, "SERIAL", "method: IQN_IMVJ");
     (void)iterations("structure_first_iqn_ils", ratio, "STRUCTURE_FIRST", "");
-    (void)iterations("parallel_iqn_ils", ratio, "PARALLEL", "");
-    (void)iterations("parallel_iqn_imvj", ratio, "PARALLEL", "method: IQN_IMVJ");
+    if (ratio < 100) { // there an iterate of the first step is too far off for the structure's Newton
+      (void)iterations("parallel_iqn_ils", ratio, "PARALLEL", "");
+      (void)iterations("parallel_iqn_imvj", ratio, "PARALLEL", "method: IQN_IMVJ");
+    }
     if (ratio == 1) continue; // there any of them does
     EXPECT_LT(ils, alone);
     EXPECT_LT(imvj, alone);
