@@ -35,7 +35,7 @@ mesh::NodeField Remesher::worn(const MeshMover& mover) const {
     const double angle = std::acos(std::clamp(s.cosine, -1.0, 1.0)) * 180 / std::numbers::pi;
     if (s.mean_ratio * margin < l.mean_ratio || angle * margin < l.angle ||
         far(s.jacobian / mover.initial_shapes().jacobians[e]) > margin * l.f_A ||
-        far(s.aspect / mover.initial_shapes().aspects[e]) > margin * l.f_AR)
+        far(s.aspect / std::sqrt(mover.initial_shapes().squared_aspects[e])) > margin * l.f_AR)
       for (const std::int32_t node : cells.cell(e)) field.values[static_cast<std::size_t>(node)] = 1;
   }
   return field;
