@@ -7,6 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "coupler/acceleration/relaxation.hpp"
 #include "coupler/stop.hpp"
 
 namespace drogue::coupler {
@@ -249,23 +250,36 @@ StepLoop::Unknown StepLoop::unknown() {
   return {v_, v_tilde_, d_, d_tilde_};
 }
 
-/// The interface's unknown and load density as one vector; the load weighs as the first residuals of both do.
+/// The load weighs as the velocity it answers to, by the first two iterates of a run: false until there are
+/// two. (The first residuals say nothing: a wall at rest bears next to no load.)
+bool StepLoop::weigh_load(const Unknown& u) {
+  const std::span<const double> f_tilde = exchange_.force();
+  const auto change = [](std::span<const double> now, std::vector<double>& before) {
+    before.resize(now.size(), 0.0);
+    for (std::size_t i = 0; i < now.size(); ++i) before[i] = now[i] - before[i];
+  };
+  if (load_scale_ > 0) return true;
+  if (!x_before_.empty()) {
+    change(u.x, x_before_);
+    change(f_tilde, h_before_);
+    const double of_unknown = exchange_.norm(x_before_), of_load = density_norm(h_before_);
+    if (of_unknown > 0 && of_load > 0) load_scale_ = of_unknown / of_load;
+  }
+  x_before_ = u.x;
+  h_before_.assign(f_tilde.begin(), f_tilde.end());
+  return load_scale_ > 0;
+}
+
+/// The interface's unknown and load density as one vector.
 Result<void> StepLoop::next_of_both(const Unknown& u) {
   const std::size_t n = d_.size();
   const std::span<const double> f_tilde = exchange_.force();
-  if (load_scale_ == 0) {
-    std::vector<double> change(n);
-    for (std::size_t i = 0; i < n; ++i) change[i] = f_tilde[i] - f_[i];
-    const double of_load = density_norm(change);
-    for (std::size_t i = 0; i < n; ++i) work_[i] = u.h[i] - u.x[i];
-    const double of_unknown = exchange_.norm(work_);
-    if (!(of_load > 0 && of_unknown > 0)) { // nothing to weigh with: a plain step of what there is
-      d_ = d_tilde_;
-      v_ = v_tilde_;
-      for (std::size_t i = 0; i < n; ++i) f_[i] += settings_.acceleration.relaxation * change[i];
-      return {};
-    }
-    load_scale_ = of_unknown / of_load;
+  if (!weigh_load(u)) {
+    const double omega = settings_.acceleration.relaxation;
+    acceleration::relax(omega, u.x, u.h, u.x);
+    acceleration::relax(omega, u.x_follower, u.h_follower, u.x_follower);
+    acceleration::relax(omega, f_, f_tilde, f_);
+    return {};
   }
   std::copy(u.x.begin(), u.x.end(), x_.begin());
   std::copy(u.h.begin(), u.h.end(), h_.begin());

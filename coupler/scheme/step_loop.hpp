@@ -99,6 +99,7 @@ class StepLoop {
   [[nodiscard]] bool is_small(double first_residual) const;
   [[nodiscard]] double density_norm(std::span<const double> force);
   [[nodiscard]] Unknown unknown();
+  [[nodiscard]] bool weigh_load(const Unknown& u);
   [[nodiscard]] Result<void> next_of_both(const Unknown& u);
   [[nodiscard]] Result<void> next_load();
   [[nodiscard]] Result<void> next_iterate();
@@ -118,8 +119,8 @@ class StepLoop {
   bool step_unconverged_ = false;
   std::uint32_t attempt_ = 0; ///< of the present step: rises with every part and every retry
   std::vector<double> d_, v_, v_start_, d_tilde_, v_tilde_, work_;
-  std::vector<double> x_before_, h_before_;
-  std::vector<double> f_;      ///< nodal forces: of the iterate; SERIAL: of the last iteration
+  std::vector<double> x_before_, h_before_; ///< of the last iteration; PARALLEL: unknown and load
+  std::vector<double> f_;                   ///< nodal forces: of the iterate; SERIAL: of the last iteration
   std::vector<double> mean_n_; ///< nodal forces as the fluid gave them, at the end of the last step
   double load_scale_ = 0; ///< PARALLEL: velocity (or length) per load, weighs v against f; 0: not known yet
   std::vector<double> x_,
