@@ -64,14 +64,32 @@ Result<std::unique_ptr<Case>> load_case(const std::filesystem::path& file, Role 
 }
 
 Result<void> FlowRun::start() {
-  const auto& file = input_.settings.initial_state;
-  if (file) {
-    const auto state = io::read_state(*file);
-    if (!state) return state.error();
-    if (const auto done = solver_->import_state(*state); !done)
-      return config_error("{}: {}", file->string(), done.error().message);
+  const Settings& settings = input_.settings;
+  if (settings.initial_state) {
+    const auto file = io::read_state(*settings.initial_state);
+    if (!file) return file.error();
+    const auto done =
+        settings.initial_state_mesh ? start_from_other_mesh(*file) : solver_->import_state(*file);
+    const bool unnamed = file->mesh_hash != input_.mesh.hash && !settings.initial_state_mesh;
+    if (!done)
+      return config_error("{}: {}{}", settings.initial_state->string(), done.error().message,
+                          unnamed ? "; name its mesh as initial_state_mesh" : "");
   }
-  return input_.settings.project_initial_flow ? solver_->project_velocity() : Result<void>();
+  return settings.project_initial_flow ? solver_->project_velocity() : Result<void>();
+}
+
+Result<void> FlowRun::start_from_other_mesh(const io::State& file) {
+  auto read = mesh::read_msh(*input_.settings.initial_state_mesh);
+  if (!read) return read.error();
+  const auto from = FluidMesh::create(std::move(*read));
+  if (!from)
+    return config_error("{}: {}", input_.settings.initial_state_mesh->string(), from.error().message);
+  const auto there = flow_state_of(file, *from, input_.settings.density);
+  if (!there) return there.error();
+  auto here = interpolated(*there, *from, input_.mesh);
+  if (!here) return here.error();
+  solver_->set_state(std::move(*here));
+  return {};
 }
 
 Result<void> FlowRun::import_state(const io::State& file) {

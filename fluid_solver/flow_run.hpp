@@ -41,8 +41,8 @@ class FlowRun {
   /// `input` must outlive the run; replace_mesh changes its mesh.
   explicit FlowRun(Case& input) : input_(input), solver_(std::in_place, input.settings, input.mesh) {}
 
-  /// Reads the initial state, if the settings name one; makes the initial flow divergence-free, if they say
-  /// so.
+  /// Reads the initial state, if the settings name one, from another mesh where they name that, too; makes
+  /// the initial flow divergence-free, if they say so.
   [[nodiscard]] Result<void> start();
   /// @note Collective
   [[nodiscard]] Result<void> open_results(const std::filesystem::path& directory,
@@ -72,6 +72,7 @@ class FlowRun {
   [[nodiscard]] Result<void> restore_positions(const std::filesystem::path& file);
 
  private:
+  [[nodiscard]] Result<void> start_from_other_mesh(const io::State& file);
   void average(const StepFigures& figures);
   void take(FluidMesh next);
 

@@ -74,42 +74,9 @@ io::State FlowSolver::export_state() const {
 }
 
 Result<void> FlowSolver::import_state(const io::State& file) {
-  if (file.kind != "fluid") return config_error("the state is of kind \"{}\", not \"fluid\"", file.kind);
-  if (file.mesh_hash != mesh_.hash)
-    return config_error("the state lives on another mesh (hash {}, this mesh {}): make it anew on this mesh",
-                        file.mesh_hash, mesh_.hash);
-  FlowState s;
-  s.time = file.time;
-  s.step = file.step;
-  s.x = mesh_.points;
-  s.wall_velocity.assign(mesh_.points.size(), 0.0);
-  const auto n = static_cast<std::size_t>(mesh_.node_count());
-  const auto read = [&](const char* name, int components, std::vector<double>& to) -> Result<bool> {
-    const io::StateArray* array = file.find(name);
-    if (array == nullptr) return false;
-    if (array->values.size() != n * static_cast<std::size_t>(components))
-      return config_error("array \"{}\" of the state has {} values; {} nodes need {}", name,
-                          array->values.size(), n, n * static_cast<std::size_t>(components));
-    to = mesh_.reordered_from_file(array->values, components);
-    return true;
-  };
-  for (const auto& found :
-       {read("velocity", 3, s.u), read("wall_velocity", 3, s.wall_velocity), read("position", 3, s.x)})
-    if (!found) return found.error();
-  auto kinematic = read("kinematic_pressure", 1, s.p);
-  if (!kinematic) return kinematic.error();
-  if (!*kinematic) {
-    const auto physical = read("pressure", 1, s.p);
-    if (!physical) return physical.error();
-    for (double& value : s.p) value /= settings_.density;
-  }
-  const auto before = read("velocity_before", 3, s.u_before);
-  if (!before) return before.error();
-  if (const io::StateArray* step = file.find("step_before"); step != nullptr && step->values.size() == 1)
-    s.step_before = step->values[0];
-  if (!(s.step_before > 0)) s.u_before.clear();
-  if (s.u.empty() || s.p.empty()) return config_error("the state has no velocity or no pressure");
-  state_ = std::move(s);
+  auto state = flow_state_of(file, mesh_, settings_.density);
+  if (!state) return state.error();
+  state_ = std::move(*state);
   return {};
 }
 

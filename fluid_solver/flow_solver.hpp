@@ -8,27 +8,14 @@
 #include <vector>
 
 #include "common/base/result.hpp"
-#include "common/io/state_file.hpp"
 #include "fluid_solver/boundary_conditions.hpp"
+#include "fluid_solver/flow_state.hpp"
 #include "fluid_solver/flow_system.hpp"
-#include "fluid_solver/fluid_mesh.hpp"
 #include "fluid_solver/recovered_stress.hpp"
 #include "fluid_solver/settings.hpp"
 #include "fluid_solver/step_data.hpp"
 
 namespace drogue::fluid {
-
-/// The committed flow: all that the next step starts from. Node arrays in the solver's order.
-struct FlowState {
-  double time = 0;
-  std::uint64_t step = 0;
-  std::vector<double> u;             ///< {n, 3}
-  std::vector<double> p;             ///< {n} kinematic pressure
-  std::vector<double> x;             ///< {n, 3} positions
-  std::vector<double> wall_velocity; ///< {n, 3} velocity of the walls; zero elsewhere
-  std::vector<double> u_before;      ///< {n, 3} velocity a step before; empty: not known
-  double step_before = 0;            ///< length of that step
-};
 
 /// How a step is taken. Semi-discrete of order 2 takes the first step, and any whose forerunner is not known,
 /// with order 1.

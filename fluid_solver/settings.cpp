@@ -143,6 +143,12 @@ Settings load_settings(const std::filesystem::path& file, config::Report& report
   s.source = config::load(file, m, report);
   s.mesh = s.source.resolve(m.mesh());
   if (m.has_initial_state()) s.initial_state = s.source.resolve(m.initial_state());
+  if (m.has_initial_state_mesh()) {
+    s.initial_state_mesh = s.source.resolve(m.initial_state_mesh());
+    if (!s.initial_state)
+      report.error(s.source.where("initial_state_mesh"),
+                   "initial_state_mesh is the mesh of an initial_state, and there is none");
+  }
   if (m.has_final_state()) s.final_state = m.final_state();
   s.initial_velocity = expression(m.initial_velocity());
   s.initial_pressure = expression(m.initial_pressure());

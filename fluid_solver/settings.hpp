@@ -85,6 +85,7 @@ struct Settings {
   config::Source source;
   std::filesystem::path mesh;
   std::optional<std::filesystem::path> initial_state;
+  std::optional<std::filesystem::path> initial_state_mesh; ///< where the state lives on another mesh
   std::optional<std::filesystem::path> final_state;
   config::VectorExpression initial_velocity;
   config::Expression initial_pressure;

@@ -28,13 +28,14 @@ class SimplexLocator {
   /// The cell that holds x, `guess` if it does. When none does (x lies outside, be it by rounding) that of
   /// the cells whose box holds x in which the smallest weight is largest.
   [[nodiscard]] Place find(const Point& x, std::int32_t guess = -1) const;
+  /// The coordinates of any point in a cell.
+  [[nodiscard]] Place place(std::int32_t cell, const Point& x) const;
 
  private:
   struct Box {
     Point low, high;
   };
   void build(std::size_t node, std::size_t begin, std::size_t end, const std::vector<Point>& centres);
-  [[nodiscard]] Place place(std::int32_t cell, const Point& x) const;
   void search(std::size_t node, std::size_t begin, std::size_t end, const Point& x, Place& best) const;
 
   std::span<const Point> points_;

@@ -12,6 +12,7 @@
 #include "common/io/state_file.hpp"
 #include "common/mesh/msh.hpp"
 #include "tests/fluid_solver/box.hpp"
+#include "tests/support/signalled.hpp"
 
 /// Runs the program itself: command line, files, exit status, ranks.
 namespace drogue::fluid {
@@ -71,11 +72,6 @@ class FluidProgram : public testing::Test {
                                 " '" DROGUE_BIN_DIR "/fluid_solver' " + arguments +
                                 " case.textproto > log 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));
-  }
-  /// Prefix of a command that gets a signal as soon as its log holds `text`.
-  static std::string signalled(const std::string& signal, const std::string& text) {
-    return "sh -c '\"$@\" & i=0; until grep -q \"" + text + "\" log || [ $i -gt 1200 ]; do sleep 0.05; " +
-           "i=$((i + 1)); done; kill -s " + signal + " $!; wait $!' sh";
   }
   [[nodiscard]] std::string log() const { return read(folder_ / "log"); }
 
@@ -244,12 +240,50 @@ TEST_F(FluidProgram, ASteadyFlowEndsItsPhaseAndAveragesAreWritten) {
   EXPECT_EQ(std::count(averages.begin(), averages.end(), '\n'), 2) << averages; // header and the one report
 }
 
+/// The flow of one mesh goes on on a finer one, with nearly the force that it had.
+TEST_F(FluidProgram, StartsFromTheStateOfAnotherMesh) {
+  const auto force = [&](const std::string& out) { // along z, of the last step
+    std::stringstream lines(read(folder_ / out / "forces.csv"));
+    std::string header, row, name, cell;
+    std::getline(lines, header);
+    for (std::string line; std::getline(lines, line);) row = line;
+    std::stringstream names(header), cells(row);
+    double found = NAN;
+    while (std::getline(names, name, ',') && std::getline(cells, cell, ','))
+      if (name == "wall_total_z") found = std::stod(cell);
+    return found;
+  };
+  std::string first = replaced(replaced(base_config, "OUT", "first"), "FINAL", "first.state");
+  first = replaced(first, " mesh_displacement { x: \"0.05*(1-x)*sin(t)*z*(2-z)\" }", "");
+  ASSERT_EQ(run("", "run", first), 0) << log();
+  ASSERT_TRUE(mesh::write_msh(folder_ / "fine.msh", test::box_mesh({5, 4, 7}, {1, 1, 2})).ok());
+  ASSERT_TRUE(mesh::write_msh(folder_ / "long.msh", test::box_mesh({5, 4, 7}, {1, 1, 3})).ok());
+  std::string text = replaced(first, "box.msh\"", "fine.msh\"\ninitial_state: \"first.state\"");
+  text = replaced(replaced(text, "\"first\" field", "\"second\" field"), "final_state: \"first.state\"",
+                  "final_state: \"second.state\"");
+  EXPECT_EQ(run("", "run", text), 2);
+  EXPECT_NE(log().find("name its mesh as initial_state_mesh"), std::string::npos) << log();
+  text = replaced(text,
+                  "initial_state:", "initial_flow: PROJECTED initial_state_mesh: \"box.msh\" initial_state:");
+  ASSERT_EQ(run("", "run", text), 0) << log();
+  const auto last = io::read_state(folder_ / "second.state");
+  ASSERT_TRUE(last.ok());
+  EXPECT_EQ(last->step, 8U);
+  EXPECT_NEAR(last->time, 0.28, 1e-12);
+  EXPECT_NEAR(force("second"), force("first"), 0.2 * std::abs(force("first")));
+  EXPECT_EQ(run("", "run", replaced(text, "fine.msh", "long.msh")), 2);
+  EXPECT_NE(log().find("lies outside the state's mesh"), std::string::npos) << log();
+  EXPECT_EQ(
+      run("", "check", replaced(base_config, "density: 2", "density: 2 initial_state_mesh: \"box.msh\"")), 2);
+  EXPECT_NE(log().find("there is none"), std::string::npos) << log();
+}
+
 TEST_F(FluidProgram, ASignalEndsTheRunAfterTheStep) {
   std::string text = replaced(base_config, "step: 0.05 steps: 2", "step: 0.001 steps: 1000000");
   text = replaced(replaced(text, "OUT", "out"), "FINAL", "last.state");
   for (const char* signal : {"TERM", "INT"}) {
     fs::remove(folder_ / "last.state");
-    ASSERT_EQ(run(signalled(signal, "step 1/"), "run", text), 5) << log();
+    ASSERT_EQ(run(drogue::test::signalled(signal, "step 1/"), "run", text), 5) << log();
     EXPECT_NE(log().find("interrupted after step "), std::string::npos) << log();
     const auto last = io::read_state(folder_ / "last.state");
     ASSERT_TRUE(last.ok());
@@ -264,7 +298,7 @@ TEST_F(FluidProgram, ASignalEndsAParticipantThatWaits) {
   text.erase(first, text.find('\n', first) - first);
   text = replaced(text, " mesh_displacement { x: \"0.05*(1-x)*sin(t)*z*(2-z)\" }", "");
   text = replaced(text, "force {", "interface: \"x0\"\nforce {");
-  ASSERT_EQ(run("DROGUE_PARTICIPANT=fluid " + signalled("TERM", "steps is not used"),
+  ASSERT_EQ(run("DROGUE_PARTICIPANT=fluid " + drogue::test::signalled("TERM", "steps is not used"),
                 "run --connect ipc://nobody", text),
             5)
       << log();

@@ -15,6 +15,7 @@
 #include "mesh_mover/mesh_participant.hpp"
 #include "mesh_mover/standalone.hpp"
 #include "tests/mesh_mover/body_in_box.hpp"
+#include "tests/support/signalled.hpp"
 
 namespace drogue::mesh_mover {
 namespace {
@@ -228,9 +229,9 @@ TEST_F(MeshMoverRun, ASignalEndsTheRunAfterTheStep) {
   text.replace(text.find("steps: 3"), 8,
                "steps: 1000000 output { directory: \"results\" field_interval: 1000000 }");
   std::ofstream(folder_ / "mesh.textproto") << text;
-  const std::string command = "cd '" + folder_.string() +
-                              "' && timeout --foreground --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
-                              "/mesh_mover' run mesh.textproto > log 2>&1";
+  const std::string command = "cd '" + folder_.string() + "' && " +
+                              drogue::test::signalled("TERM", "step 1 ") +
+                              "'" DROGUE_BIN_DIR "/mesh_mover' run mesh.textproto > log 2>&1";
   const int status = std::system(command.c_str());
   std::stringstream log;
   log << std::ifstream(folder_ / "log").rdbuf();

@@ -20,6 +20,7 @@
 #include "structure_solver/run.hpp"
 #include "structure_solver/state_io.hpp"
 #include "tests/structure_solver/test_structures.hpp"
+#include "tests/support/signalled.hpp"
 
 namespace drogue::structure {
 namespace {
@@ -503,8 +504,9 @@ TEST_F(Files, ASignalEndsTheProgramAfterTheStepWithItsState) {
   write("long.textproto", std::string(properties) +
                               "time { step: 0.001 steps: 1000000 } final_state: \"last.state\" output { "
                               "field_interval: 0 }");
-  const int status = std::system("timeout --foreground --preserve-status -s TERM 2 '" DROGUE_BIN_DIR
-                                 "/structure_solver' run long.textproto > log 2>&1");
+  const int status = std::system((drogue::test::signalled("TERM", "step ") +
+                                  "'" DROGUE_BIN_DIR "/structure_solver' run long.textproto > log 2>&1")
+                                     .c_str());
   EXPECT_EQ(WEXITSTATUS(status), 5) << read("log");
   EXPECT_NE(read("log").find("interrupted after step "), std::string::npos) << read("log");
   EXPECT_TRUE(fs::exists("last.state"));
