@@ -13,20 +13,35 @@ namespace {
 constexpr double smallest_squared_ratio = 1e-13;
 constexpr std::size_t rows_at_once = 512;
 
-/// Rows `start` to `start + rows_at_once`, or as many as there are.
-std::span<const double> rows(const std::vector<double>& v, std::size_t start) {
-  return std::span(v).subspan(start, std::min(rows_at_once, v.size() - start));
+/// Calls visit(start, size) for every block of the n rows.
+template <class Visit>
+void for_blocks(std::size_t n, Visit&& visit) {
+  for (std::size_t start = 0; start < n; start += rows_at_once)
+    visit(start, std::min(rows_at_once, n - start));
 }
 
 /// y += sum_j c_j times the member `what` of the columns kept.
 template <class Columns, class Values>
 void add_columns(const std::vector<double>& c, const Columns& columns, const std::vector<std::size_t>& kept,
                  Values what, std::span<double> y) {
-  for (std::size_t start = 0; start < y.size(); start += rows_at_once)
-    for (std::size_t j = 0; j < c.size(); ++j) {
-      const auto part = rows((*columns[kept[j]]).*what, start);
-      add_scaled(c[j], part, y.subspan(start, part.size()));
-    }
+  for_blocks(y.size(), [&](std::size_t start, std::size_t size) {
+    for (std::size_t j = 0; j < c.size(); ++j)
+      add_scaled(c[j], std::span(*((*columns[kept[j]]).*what)).subspan(start, size), y.subspan(start, size));
+  });
+}
+
+/// r += sum_j c_j dr_j over the columns kept.
+template <class Columns>
+void add_residuals(const std::vector<double>& c, const Columns& columns, const std::vector<std::size_t>& kept,
+                   std::span<double> r) {
+  for_blocks(r.size(), [&](std::size_t start, std::size_t size) {
+    for (std::size_t j = 0; j < c.size(); ++j)
+      columns[kept[j]]->dr.add_to(r.subspan(start, size), c[j], start);
+  });
+}
+
+std::shared_ptr<const std::vector<double>> shared(std::vector<double> values) {
+  return std::make_shared<const std::vector<double>>(std::move(values));
 }
 
 std::size_t packed(std::size_t i, std::size_t j) {
@@ -52,6 +67,8 @@ void IqnIls::begin_step() {
   step_at_begin_ = step_;
   ++step_;
   while (!columns_.empty() && columns_.back()->step < step_ - settings_.reuse_steps) columns_.pop_back();
+  for (std::size_t k = 0; k < columns_.size() && !columns_[k]->dr.is_rounded(); ++k)
+    columns_[k] = std::make_shared<const Column>(columns_[k]->rounded());
   has_last_ = false;
 }
 
@@ -70,30 +87,37 @@ void IqnIls::rollback() {
   has_last_ = false;
 }
 
-/// Of a new column with itself and with those there are, block by block, while it is near.
-std::vector<double> IqnIls::products(const std::vector<double>& dr) const {
-  std::vector<double> gram(columns_.size() + 1, 0.0);
-  for (std::size_t start = 0; start < dr.size(); start += rows_at_once) {
-    const auto part = rows(dr, start);
-    gram[0] += dot(part, part);
-    for (std::size_t k = 0; k < columns_.size(); ++k) gram[k + 1] += dot(part, rows(columns_[k]->dr, start));
-  }
-  return gram;
+/// Of each vector with the dr of each column, newest first; block by block, so that the columns are read
+/// once.
+std::vector<std::vector<double>>
+IqnIls::products(std::initializer_list<std::span<const double>> vectors) const {
+  std::vector<std::vector<double>> sums(vectors.size(), std::vector<double>(columns_.size(), 0.0));
+  for_blocks(r_.size(), [&](std::size_t start, std::size_t size) {
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      auto sum = sums.begin();
+      for (const auto vector : vectors)
+        (*sum++)[k] += columns_[k]->dr.dot(start, vector.subspan(start, size));
+    }
+  });
+  return sums;
 }
 
-std::shared_ptr<const IqnIls::Column> IqnIls::make_column(const Iterate& at) const {
-  auto column = std::make_shared<Column>();
-  column->step = step_;
-  column->dr.resize(r_.size());
-  column->dh.resize(r_.size());
-  column->dp.resize(passenger_);
-  for (std::size_t i = 0; i < r_.size(); ++i) {
-    column->dr[i] = r_[i] - r_last_[i];
-    column->dh[i] = at.h[i] - h_last_[i];
-  }
-  for (std::size_t i = 0; i < passenger_; ++i) column->dp[i] = at.h_passenger[i] - p_last_[i];
-  column->gram = products(column->dr);
-  return column;
+/// The secant from the last iterate to `at`, and the products that it and r need.
+void IqnIls::add_column(const Iterate& at) {
+  const auto change = [](std::span<const double> to, const std::vector<double>& from) {
+    std::vector<double> d(to.begin(), to.end());
+    add_scaled(-1, std::span(from), std::span(d));
+    return d;
+  };
+  std::vector<double> dr = change(r_, r_last_);
+  auto sums = products({dr, r_});
+  const std::span<const double> own(dr);
+  sums[0].insert(sums[0].begin(), dot(own, own));
+  sums[1].insert(sums[1].begin(), dot(own, std::span<const double>(r_)));
+  of_r_ = std::move(sums[1]);
+  columns_.push_front(
+      std::make_shared<const Column>(Column{step_, SecantVector(std::move(dr)), shared(change(at.h, h_last_)),
+                                            shared(change(at.h_passenger, p_last_)), std::move(sums[0])}));
 }
 
 /// Cholesky of the Gram matrix of the columns begin to end, newest first, leaving out what fails the filter.
@@ -136,20 +160,21 @@ void IqnIls::solve_normal_equations(std::vector<double>& b) const {
   }
 }
 
-/// arg min | rest + sum_j c_j dr_j |, once more on what the first solution leaves. That rest is formed and
-/// multiplied with the columns block by block, while these are near: the columns are read twice in all.
-std::vector<double> IqnIls::least_squares() const {
+/// arg min | rest + sum_j c_j dr_j | over the columns kept of the group that starts with column `begin`, once
+/// more on what the first solution leaves. That is formed and multiplied with the columns block by block,
+/// while these are near.
+std::vector<double> IqnIls::least_squares(std::size_t begin) const {
   const std::size_t m = kept_.size(), n = rest_.size();
   std::vector<double> c(m), more(m, 0.0), rest(rows_at_once);
-  for (std::size_t j = 0; j < m; ++j) c[j] = -dot(columns_[kept_[j]]->dr, rest_);
+  for (std::size_t j = 0; j < m; ++j)
+    c[j] = -(begin == 0 ? of_r_[kept_[j]] : columns_[kept_[j]]->dr.dot(0, rest_));
   solve_normal_equations(c);
-  for (std::size_t start = 0; start < n; start += rows_at_once) {
-    const auto residual = rows(rest_, start);
-    const std::span<double> part(rest.data(), residual.size());
-    std::copy(residual.begin(), residual.end(), part.begin());
-    for (std::size_t j = 0; j < m; ++j) add_scaled(c[j], rows(columns_[kept_[j]]->dr, start), part);
-    for (std::size_t j = 0; j < m; ++j) more[j] -= dot(rows(columns_[kept_[j]]->dr, start), part);
-  }
+  for_blocks(n, [&](std::size_t start, std::size_t size) {
+    const std::span<double> part(rest.data(), size);
+    std::copy_n(rest_.data() + start, size, part.data());
+    for (std::size_t j = 0; j < m; ++j) columns_[kept_[j]]->dr.add_to(part, c[j], start);
+    for (std::size_t j = 0; j < m; ++j) more[j] -= columns_[kept_[j]]->dr.dot(start, part);
+  });
   solve_normal_equations(more);
   for (std::size_t j = 0; j < m; ++j) c[j] += more[j];
   return c;
@@ -168,9 +193,9 @@ bool IqnIls::add_group(std::size_t begin, std::size_t end, std::span<double> x_n
                        std::span<double> passenger_next) {
   factor(begin, end);
   used_ += static_cast<int>(kept_.size());
-  const std::vector<double> c = least_squares();
+  const std::vector<double> c = least_squares(begin);
   if (!all_finite(c)) return false;
-  if (end < columns_.size()) add_columns(c, columns_, kept_, &Column::dr, rest_);
+  if (end < columns_.size()) add_residuals(c, columns_, kept_, rest_);
   add_columns(c, columns_, kept_, &Column::dh, x_next);
   add_columns(c, columns_, kept_, &Column::dp, passenger_next);
   return true;
@@ -180,7 +205,11 @@ bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double>
   if (!all_finite(at.h) || !all_finite(at.h_passenger)) return false;
   // 1. The scaled residual, and the secant to the last one.
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = root_weights_[i] * (at.h[i] - at.x[i]);
-  if (has_last_) columns_.push_front(make_column(at));
+  if (has_last_) {
+    add_column(at);
+  } else {
+    of_r_ = std::move(products({r_})[0]);
+  }
   while (columns_.size() > static_cast<std::size_t>(settings_.max_columns)) columns_.pop_back();
   r_last_ = r_;
   std::copy(at.h.begin(), at.h.end(), h_last_.begin());
@@ -206,11 +235,18 @@ bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double>
 State IqnIls::save() const {
   State state;
   state.step = step_;
+  const auto append = [](std::vector<double>& all, const std::vector<double>& values) {
+    all.insert(all.end(), values.begin(), values.end());
+  };
   for (const auto& column : columns_) {
     state.column_step.push_back(column->step);
-    state.column_dr.insert(state.column_dr.end(), column->dr.begin(), column->dr.end());
-    state.column_dh.insert(state.column_dh.end(), column->dh.begin(), column->dh.end());
-    state.column_dp.insert(state.column_dp.end(), column->dp.begin(), column->dp.end());
+    append(state.column_dr, column->dr.values());
+    append(state.column_dh, *column->dh);
+    append(state.column_dp, *column->dp);
+    const std::size_t columns_before = columns_.size() - state.column_step.size();
+    const auto& gram = column->gram;
+    state.column_gram.insert(state.column_gram.end(), gram.begin(),
+                             gram.begin() + static_cast<std::ptrdiff_t>(columns_before) + 1);
   }
   return state;
 }
@@ -218,23 +254,25 @@ State IqnIls::save() const {
 Result<void> IqnIls::restore(const State& state) {
   const std::size_t m = state.column_step.size(), n = r_.size();
   if (state.column_dr.size() != m * n || state.column_dh.size() != m * n ||
-      state.column_dp.size() != m * passenger_)
+      state.column_dp.size() != m * passenger_ || state.column_gram.size() != m * (m + 1) / 2)
     return config_error(
-        "accelerator state: {} columns of sizes {} + {} + {} do not fit {} + {} + {} values a column", m,
-        state.column_dr.size(), state.column_dh.size(), state.column_dp.size(), n, n, passenger_);
+        "accelerator state: {} columns of sizes {} + {} + {} with {} products do not fit {} + "
+        "{} + {} values a column",
+        m, state.column_dr.size(), state.column_dh.size(), state.column_dp.size(), state.column_gram.size(),
+        n, n, passenger_);
   columns_.clear();
-  for (std::size_t k = m; k-- > 0;) {
-    auto column = std::make_shared<Column>();
+  auto gram = state.column_gram.begin();
+  for (std::size_t k = 0; k < m; ++k) {
     const auto part = [k](const std::vector<double>& all, std::size_t size) {
       const auto first = all.begin() + static_cast<std::ptrdiff_t>(k * size);
       return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(size));
     };
-    column->step = state.column_step[k];
-    column->dr = part(state.column_dr, n);
-    column->dh = part(state.column_dh, n);
-    column->dp = part(state.column_dp, passenger_);
-    column->gram = products(column->dr);
-    columns_.push_front(std::move(column));
+    const auto end = gram + static_cast<std::ptrdiff_t>(m - k);
+    const Column column{state.column_step[k], SecantVector(part(state.column_dr, n)),
+                        shared(part(state.column_dh, n)), shared(part(state.column_dp, passenger_)),
+                        std::vector<double>(gram, end)};
+    columns_.push_back(std::make_shared<const Column>(column.step < state.step ? column.rounded() : column));
+    gram = end;
   }
   step_ = state.step;
   has_last_ = false;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <deque>
+#include <initializer_list>
 #include <memory>
 
 #include "coupler/acceleration/accelerator.hpp"
+#include "coupler/acceleration/secant_vector.hpp"
 
 namespace drogue::acceleration {
 
@@ -26,6 +28,11 @@ namespace drogue::acceleration {
 /// [haelterman2016, QR2]. R is the Cholesky factor of the Gram matrix, of which every iteration adds one row,
 /// and the least squares are solved by the semi-normal equations with one correction: O(m n) an iteration in
 /// place of O(m^2 n). The squared ratio is resolved down to 1e-13, so a filter below 3e-7 acts as 3e-7.
+///
+/// The columns are many and long, and an iteration costs the reading of them. The dr are read twice (the new
+/// one's row of the Gram matrix together with the products of r, and the correction), dh and dp once. The dr
+/// of the steps before are kept in single precision: there they are approximations anyway, and what x and its
+/// passenger get stays the same combination.
 class IqnIls final : public Accelerator {
  public:
   IqnIls(const Settings& settings, std::span<const double> weights, std::size_t n, std::size_t passenger);
@@ -43,18 +50,22 @@ class IqnIls final : public Accelerator {
  private:
   struct Column {
     std::int64_t step = 0;
-    std::vector<double> dr, dh, dp; ///< dr is scaled by the square roots of the weights
+    SecantVector dr; ///< scaled by the square roots of the weights
+    std::shared_ptr<const std::vector<double>> dh, dp;
     /// Products of dr with this column (first) and the older ones, in the order of columns_ when it was
     /// added.
     std::vector<double> gram;
+
+    [[nodiscard]] Column rounded() const { return {step, dr.rounded(), dh, dp, gram}; }
   };
   using Columns = std::deque<std::shared_ptr<const Column>>;
 
-  [[nodiscard]] std::shared_ptr<const Column> make_column(const Iterate& at) const;
-  [[nodiscard]] std::vector<double> products(const std::vector<double>& dr) const;
+  void add_column(const Iterate& at);
+  [[nodiscard]] std::vector<std::vector<double>>
+  products(std::initializer_list<std::span<const double>> vectors) const;
   void factor(std::size_t begin, std::size_t end);
   void solve_normal_equations(std::vector<double>& b) const;
-  [[nodiscard]] std::vector<double> least_squares() const;
+  [[nodiscard]] std::vector<double> least_squares(std::size_t begin) const;
   [[nodiscard]] std::size_t end_of_group(std::size_t begin) const;
   [[nodiscard]] bool add_group(std::size_t begin, std::size_t end, std::span<double> x_next,
                                std::span<double> passenger_next);
@@ -69,6 +80,7 @@ class IqnIls final : public Accelerator {
   std::int64_t step_at_begin_ = 0;
 
   bool has_last_ = false;
+  std::vector<double> of_r_; ///< products of r with the dr of columns_
   std::vector<double> rest_; ///< of r, what the columns used so far leave
   std::vector<double> r_, r_last_, h_last_, p_last_;
   std::vector<std::size_t> kept_; ///< indices of the columns of a group that passed the filter
