@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The flow round the inflated T-10 at the paper's size: kernels beside the limits of the machine, whole steps
-// on one rank and two, growth with the mesh. Prints rows as Google Benchmark's csv does. Starts itself again
-// under mpiexec for two ranks.
+// on one rank and two, growth with the mesh, the Jacobian beside that of dolfinx. Prints rows as Google
+// Benchmark's csv does. Starts itself again, under mpiexec for two ranks.
 //   fluid_flow_bench [--quick] [ignored options...]
 #include <array>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -52,9 +53,11 @@ Settings t10_flow() {
 }
 
 struct Steps {
-  double time = 0; ///< mean of a step [s], the first left out
+  double time = 0;      ///< mean of a step [s], the first left out
+  double processor = 0; ///< the same of this rank's processor time
   double iterations = 0;
-  double force = 0; ///< on the canopy along the flow after the last step
+  double memory = 0; ///< of all ranks, with the solver alive; a page that they share counts once [MB]
+  double force = 0;  ///< on the canopy along the flow after the last step
 };
 
 /// Steps with the whole mesh swaying, three Newton iterations each.
@@ -64,6 +67,7 @@ Steps run_steps(const Settings& settings, const FluidMesh& mesh, Formulation for
   const double dt = 0.0032;
   for (int k = 0; k <= count; ++k) {
     int iterations = 0;
+    const double processor = processor_seconds();
     const double time = seconds([&] {
       if (!solver.begin_step({formulation}, dt)) std::abort();
       std::vector<double> x = mesh.points;
@@ -79,8 +83,10 @@ Steps run_steps(const Settings& settings, const FluidMesh& mesh, Formulation for
     });
     if (k == 0) continue;
     steps.time += time / count;
+    steps.processor += (processor_seconds() - processor) / count;
     steps.iterations += static_cast<double>(iterations) / count;
   }
+  steps.memory = la::sum_over_ranks(proportional_megabytes());
   return steps;
 }
 
@@ -88,7 +94,7 @@ Steps run_steps(const Settings& settings, const FluidMesh& mesh, Formulation for
 void step_rows(const FluidMesh& mesh, const std::string& name, Formulation formulation, bool tight) {
   const Settings settings = t10_flow();
   const Steps steps = run_steps(settings, mesh, formulation, 4);
-  const double memory = la::sum_over_ranks(peak_megabytes());
+  const double peaks = la::sum_over_ranks(peak_megabytes());
   double error = 0;
   if (tight) {
     Settings exact = settings;
@@ -99,9 +105,12 @@ void step_rows(const FluidMesh& mesh, const std::string& name, Formulation formu
   }
   if (la::rank() != 0) return;
   row(name + "/step", steps.time, "s");
+  row(name + "/processor_time_of_rank_0", steps.processor, "s");
   row(name + "/gmres_iterations_a_step", steps.iterations, "count");
   row(name + "/microseconds_a_node", 1e6 * steps.time / mesh.node_count(), "us");
-  row(name + "/memory", memory, "MB");
+  row(name + "/memory", steps.memory, "MB");
+  row(name + "/sum_of_peaks", peaks, "MB"); // what the ranks share counts for each
+  row(name + "/kilobytes_a_node", 1e3 * steps.memory / mesh.node_count(), "count");
   if (tight) row(name + "/canopy_force_error", 100 * error, "percent");
 }
 
@@ -135,34 +144,91 @@ void on_ranks(const std::string& file, const std::string& name, bool space_time)
             space_time ? Formulation::dsd_sst : Formulation::semi_discrete, space_time && ranks == 1);
 }
 
-/// A child, so that its peak of memory is its own; and a process that has started MPI could not call mpiexec.
-void run_steps_on(int ranks, const char* self, const std::string& file, const std::string& name,
-                  bool space_time) {
+/// Runs a command and passes its rows on; the value of the one whose name ends in `wanted`.
+std::optional<double> rows_of(const std::string& command, const std::string& wanted) {
   std::fflush(stdout);
-  const std::string launch = ranks == 1 ? "" : fmt::format("mpiexec --oversubscribe -n {} ", ranks);
-  const std::string command = fmt::format("{}'{}' --ranks '{}' '{}' {}", launch, self, file, name,
-                                          space_time ? "space_time" : "semi_discrete");
-  if (std::system(command.c_str()) != 0) fmt::print(stderr, "fluid_flow_bench: failed: {}\n", command);
+  std::FILE* out = ::popen(command.c_str(), "r");
+  std::optional<double> value;
+  char line[400];
+  while (out != nullptr && std::fgets(line, sizeof line, out) != nullptr) {
+    std::fputs(line, stdout);
+    double first = 0;
+    if (const char* end = std::strstr(line, (wanted + "\",").c_str()); end != nullptr)
+      if (std::sscanf(end + wanted.size() + 2, "%*d,%lf", &first) == 1) value = first;
+  }
+  std::fflush(stdout);
+  if (out == nullptr || ::pclose(out) != 0) fmt::print(stderr, "fluid_flow_bench: failed: {}\n", command);
+  return value;
 }
+
+/// A child, so that its peak of memory is its own; and a process that has started MPI could not call mpiexec.
+/// Returns the processor time of a step on rank 0.
+std::optional<double> run_steps_on(int ranks, const char* self, const std::string& file,
+                                   const std::string& name, bool space_time) {
+  const std::string launch = ranks == 1 ? "" : fmt::format("mpiexec --oversubscribe -n {} ", ranks);
+  return rows_of(fmt::format("{}'{}' --ranks '{}' '{}' {}", launch, self, file, name,
+                             space_time ? "space_time" : "semi_discrete"),
+                 "/processor_time_of_rank_0");
+}
+
+/// The same Jacobian by a general form compiler, where it is installed.
+void dolfinx_rows(const std::string& file, const std::string& name, double ours) {
+  std::fflush(stdout);
+  std::FILE* out = ::popen((DROGUE_PYTHON " '" DROGUE_DOLFINX_SCRIPT "' '" + file + "'").c_str(), "r");
+  double theirs = 0;
+  const bool read = out != nullptr && std::fscanf(out, "%lf", &theirs) == 1;
+  if (out != nullptr) ::pclose(out);
+  row(name + "/dolfinx_is_installed", read ? 1 : 0, "count");
+  if (!read) return;
+  row(name + "/jacobian_assembly_of_dolfinx", 1e3 * theirs, "ms");
+  row(name + "/dolfinx_over_ours", theirs / ours, "count");
+}
+
+/// How the time of a step on one rank grows with the mesh: exponents from each size to the next.
+class Growth {
+ public:
+  explicit Growth(std::string name) : name_(std::move(name)) {}
+  void add(const std::string& size, std::int32_t nodes, std::optional<double> time) {
+    if (!time) return;
+    if (last_time_ > 0)
+      row(fmt::format("{}/growth_to_{}", name_, size),
+          std::log(*time / last_time_) / std::log(nodes / last_nodes_), "exponent");
+    last_nodes_ = nodes;
+    last_time_ = *time;
+  }
+
+ private:
+  std::string name_;
+  double last_nodes_ = 0;
+  double last_time_ = 0;
+};
 
 void all(const char* self, bool quick) {
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("drogue-flow-bench-{}", getpid());
   std::filesystem::create_directories(folder);
   row("memory_bandwidth", memory_bandwidth() / 1e6, "MB");
   row("arithmetic_peak", arithmetic_peak() / 1e6, "count");
-  for (const auto& size : {test::t10_fluid_small, test::t10_fluid_paper, test::t10_fluid_large}) {
+  Growth semi_discrete("semi_discrete"), dsd_sst("dsd_sst");
+  for (const auto& size : {test::t10_fluid_smallest, test::t10_fluid_paper, test::t10_fluid_large}) {
     const std::string file = folder / fmt::format("{}.msh", size.name);
-    if (quick && size.name != test::t10_fluid_small.name) break;
+    if (quick && size.name != test::t10_fluid_smallest.name) break;
     make(size, file);
-    const FluidMesh mesh = load(file);
-    row(fmt::format("mesh_{}/nodes", size.name), mesh.node_count(), "count");
-    row(fmt::format("mesh_{}/tetrahedra", size.name), mesh.cell_count(), "count");
+    std::int32_t nodes = 0;
     const bool large = size.name == test::t10_fluid_large.name;
-    kernel_rows<4>(mesh, fmt::format("semi_discrete_{}", size.name));
-    if (!large) kernel_rows<8>(mesh, fmt::format("dsd_sst_{}", size.name));
-    for (const bool space_time : {true, false})
-      for (const int ranks : {1, 2})
-        if (!large || (ranks == 1 && !space_time)) run_steps_on(ranks, self, file, size.name, space_time);
+    { // freed before the steps
+      const FluidMesh mesh = load(file);
+      nodes = mesh.node_count();
+      row(fmt::format("mesh_{}/nodes", size.name), nodes, "count");
+      row(fmt::format("mesh_{}/tetrahedra", size.name), mesh.cell_count(), "count");
+      const std::string name = fmt::format("semi_discrete_{}", size.name);
+      const double jacobian = kernel_rows<4>(mesh, name);
+      if (!large) dolfinx_rows(file, name, jacobian);
+      if (!large) kernel_rows<8>(mesh, fmt::format("dsd_sst_{}", size.name));
+    }
+    if (!large) dsd_sst.add(size.name, nodes, run_steps_on(1, self, file, size.name, true));
+    if (!large) (void)run_steps_on(2, self, file, size.name, true);
+    semi_discrete.add(size.name, nodes, run_steps_on(1, self, file, size.name, false));
+    if (!large) (void)run_steps_on(2, self, file, size.name, false);
   }
   std::filesystem::remove_all(folder);
 }

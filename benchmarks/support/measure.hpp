@@ -33,6 +33,16 @@ template <class Function>
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// Processor time of this process's threads: what it takes is nearly the same whether others work or not.
+[[nodiscard]] inline double processor_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto in_seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return in_seconds(usage.ru_utime) + in_seconds(usage.ru_stime);
+}
+
 template <class Function>
 [[nodiscard]] double least(int runs, Function&& f) {
   double best = INFINITY;
@@ -55,6 +65,16 @@ template <class Function>
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
+}
+
+/// Memory of the process now, a page that several processes have (a library's) shared out among them.
+[[nodiscard]] inline double proportional_megabytes() {
+  std::ifstream rollup("/proc/self/smaps_rollup");
+  std::string word;
+  double kilobytes = 0;
+  while (rollup >> word)
+    if (word == "Pss:" && rollup >> kilobytes) break;
+  return kilobytes * 1024 / 1e6;
 }
 
 /// Says on standard error what failed, when something did.

@@ -17,6 +17,9 @@ struct T10FluidSize {
   double wake_size;
 };
 // clang-format off
+inline constexpr T10FluidSize t10_fluid_smallest{"17k",
+    {.main_rows = 13, .skirt_rows = 3, .across_vent = 1, .across_seam = 3, .across_skirt = 3, .across_exponent = 0.584},
+    1.1, 2.2};
 inline constexpr T10FluidSize t10_fluid_small{"25k",
     {.main_rows = 16, .skirt_rows = 4, .across_vent = 1, .across_seam = 4, .across_skirt = 3, .across_exponent = 0.584},
     0.9, 1.8};

@@ -49,7 +49,9 @@ class FlowCase {
   FlowSolver solver_;
 };
 
-/// Force of the settings' first report at every step: by the nodal reaction and by the stress on the surface.
+/// Force of the settings' first report at every step: by the nodal reaction, in DSD/SST the mean of the slab,
+/// and by the stress on the surface, with the pressure of the slab's mean: that at its end alone lacks the
+/// viscous term that linear elements leave out of the time-weighted residual (fluid.proto, time_weight).
 struct ForceHistory {
   std::array<std::vector<double>, 2> reaction; ///< along x, y
   std::array<std::vector<double>, 2> stress;   ///< along x, y

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "common/mesh/gmsh_session.hpp"
+#include "tests/verification/plane_mesh.hpp"
 
 namespace drogue::fluid::test {
 namespace {
@@ -37,41 +38,6 @@ std::vector<double> growing(double length, double first, int steps) {
 int step_count(double length, double first, double last) {
   const double q = (length - first) / (length - last); // of a geometric series
   return std::max(2, static_cast<int>(std::lround(std::log(last / first) / std::log(q))) + 1);
-}
-
-/// Gmsh fills only arrays that come empty.
-std::vector<std::size_t> nodes_of_elements(int type, int entity) {
-  std::vector<std::size_t> elements, nodes;
-  gmsh::model::mesh::getElementsByType(type, elements, nodes, entity);
-  return nodes;
-}
-
-/// The nodes and the elements of the groups of Gmsh's current model.
-mesh::Mesh collect(const std::vector<std::pair<std::string, std::vector<int>>>& curves, int surface) {
-  mesh::Mesh m;
-  std::vector<std::size_t> tags;
-  std::vector<double> x, parametric;
-  gmsh::model::mesh::getNodes(tags, x, parametric);
-  std::map<std::size_t, std::size_t> place; // in the order of the tags
-  for (std::size_t i = 0; i < tags.size(); ++i) place[tags[i]] = i;
-  std::map<std::size_t, std::int32_t> number;
-  std::map<std::size_t, bool> used;
-  for (const std::size_t tag : nodes_of_elements(2, surface)) used[tag] = true;
-  for (const auto& [tag, is_used] : used) {
-    number[tag] = static_cast<std::int32_t>(m.points.size() / 3);
-    const auto from = x.begin() + static_cast<std::ptrdiff_t>(3 * place[tag]);
-    m.points.insert(m.points.end(), from, from + 3);
-  }
-  const auto add = [&](const std::string& group, mesh::ElementKind kind, const std::vector<int>& entities) {
-    mesh::ElementBlock block{group, kind, {}};
-    for (const int entity : entities)
-      for (const std::size_t tag : nodes_of_elements(kind == mesh::ElementKind::tri3 ? 2 : 1, entity))
-        block.nodes.push_back(number.at(tag));
-    m.blocks.push_back(std::move(block));
-  };
-  add("fluid", mesh::ElementKind::tri3, {surface});
-  for (const auto& [group, entities] : curves) add(group, mesh::ElementKind::line2, entities);
-  return m;
 }
 
 /// Curves of the obstacle, anticlockwise: the circle in arcs, with the plate's three sides in it.
@@ -144,14 +110,6 @@ mesh::Mesh channel_mesh(const Channel& c, const PlaneSize& size) {
   const std::vector<int> obstacle = add_obstacle(c);
   const int surface = geo::addPlaneSurface({geo::addCurveLoop(outer), geo::addCurveLoop(obstacle)});
   geo::synchronize();
-  gmsh::model::mesh::setSizeCallback([&size](int, int, double x, double y, double) { return size(x, y); });
-  gmsh::option::setNumber("General.NumThreads", 1);
-  gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
-  gmsh::option::setNumber("Mesh.MeshSizeFromPoints", 0);
-  gmsh::option::setNumber("Mesh.Algorithm", 6);
-  gmsh::option::setNumber("Mesh.Smoothing", 5);
-  gmsh::model::mesh::generate(2);
-  gmsh::model::mesh::removeSizeCallback();
   std::vector<int> rigid = obstacle, plate;
   if (c.plate_apart) { // the three lines before the last arc
     plate.assign(obstacle.end() - 4, obstacle.end() - 1);
@@ -163,20 +121,22 @@ mesh::Mesh channel_mesh(const Channel& c, const PlaneSize& size) {
                                                                {"inflow", {outer[3]}},
                                                                {"obstacle", rigid}};
   if (!plate.empty()) groups.emplace_back("plate", plate);
-  return collect(groups, surface);
+  return triangulated(surface, groups, size);
 }
 
-mesh::Mesh flag_in_channel(const FlagSizes& sizes, bool flag_apart) {
-  const auto [wall, growth, bulk] = sizes;
-  const Channel channel{{0, 0}, {2.5, 0.41}, {0.2, 0.2}, 0.05, 0.6, 0.02, flag_apart};
-  return channel_mesh(channel, [wall = wall, growth = growth, bulk = bulk](double x, double y) {
+PlaneSize flag_sizes(const FlagSizes& sizes) {
+  return [wall = sizes.wall, growth = sizes.growth, bulk = sizes.bulk](double x, double y) {
     const double to_circle = std::hypot(x - 0.2, y - 0.2) - 0.05;
     const double to_flag = std::hypot(x - std::clamp(x, 0.2, 0.6), std::max(0.0, std::abs(y - 0.2) - 0.01));
     const double to_end = std::hypot(x - 0.6, std::max(0.0, std::abs(y - 0.2) - 0.01)); // two corners
     const double beside_wake = x > 0.2 ? std::max(std::abs(y - 0.2) - 0.08, 0.1 * (x - 0.8)) : 1.0;
     return std::min({graded(std::min(to_circle, to_flag), wall, growth, bulk),
                      graded(to_end, 0.5 * wall, growth, bulk), graded(beside_wake, 0.5 * bulk, 0.2, bulk)});
-  });
+  };
+}
+
+mesh::Mesh flag_in_channel(const FlagSizes& sizes, bool flag_apart) {
+  return channel_mesh({{0, 0}, {2.5, 0.41}, {0.2, 0.2}, 0.05, 0.6, 0.02, flag_apart}, flag_sizes(sizes));
 }
 
 mesh::Mesh ring_mesh(double radius, double outer, int around, double first, bool half) {

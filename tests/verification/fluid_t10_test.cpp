@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "fluid_solver/flow_fields.hpp"
+#include "tests/fluid_solver/box.hpp"
+#include "tests/support/t10_fluid.hpp"
+#include "tests/support/verify.hpp"
+#include "tests/verification/fluid_case.hpp"
+
+/// The flow round the rigid, inflated T-10 at the paper's size from an impulsive start: the air at rest
+/// relative to nothing but the canopy's cloth, 22 ft/s everywhere, at Re = 5e6 with Smagorinsky's model; 100
+/// space-time slabs of the paper's step. Feet, slugs, seconds.
+namespace drogue::fluid::test {
+namespace {
+
+using drogue::test::verify;
+using drogue::test::verify_between;
+
+constexpr double speed = 22;
+constexpr double constructed_area = 1298.9;
+constexpr int steps = 100;
+
+TEST(T10, AHundredStepsFromAnImpulsiveStart) {
+  auto made = drogue::test::t10_fluid_mesh(drogue::test::t10_fluid_paper);
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  Settings s = flow_settings(3.66058e-7, 1e-2);
+  s.density = 0.002377;
+  s.smagorinsky = 0.1;
+  s.newton.max_iterations = 10;
+  s.linear = {1e-2, 300, 60};
+  s.boundaries = {velocity("inflow", "0", "0", "22"), boundary("outflow", Condition::traction_free),
+                  boundary("side", Condition::free_slip), boundary("canopy_upper", Condition::no_slip),
+                  boundary("canopy_lower", Condition::no_slip)};
+  s.boundaries[1].backflow = 0.5;
+  s.initial_velocity = vector_expression("0", "0", "22");
+  s.forces = {{"canopy", {"canopy_upper", "canopy_lower"}, 0}};
+  const double unit = 0.5 * s.density * speed * speed * constructed_area;
+  FlowCase flow(s, std::move(*made));
+  fmt::print("{} nodes, {} tetrahedra\n", flow.mesh().node_count(), flow.mesh().cell_count());
+
+  double cfl = 0, fastest = 0;
+  std::vector<double> drag;
+  while (drag.size() < steps && !HasFailure()) {
+    drag.push_back(flow.step(space_time, 0.0032).front().reaction[2] / unit);
+    cfl = std::max(cfl, largest_cfl(flow.mesh(), flow.state().x, flow.state().u, 0.0032));
+    for (std::size_t i = 0; i < flow.state().u.size(); i += 3)
+      fastest =
+          std::max(fastest, std::hypot(flow.state().u[i], flow.state().u[i + 1], flow.state().u[i + 2]));
+    fmt::print("step {} drag {:.4f} cfl {:.2f} fastest {:.2f}\n", drag.size(), drag.back(), cfl, fastest);
+    std::fflush(stdout);
+  }
+  const std::string name = "fluid/t10_impulsive_start";
+  verify(name, "steps_done", static_cast<double>(flow.state().step), steps, 0);
+  verify_between(name, "largest_cfl", cfl, 0, 10);
+  verify_between(name, "fastest_over_stream", fastest / speed, 1, 5);
+  // the first step holds the impulse
+  ASSERT_GT(drag.size(), 10U);
+  const auto [least, largest] = std::minmax_element(drag.begin() + 10, drag.end());
+  verify_between(name, "least_C_D", *least, 0, 2);
+  verify_between(name, "largest_C_D", *largest, 0, 2);
+}
+
+} // namespace
+} // namespace drogue::fluid::test
