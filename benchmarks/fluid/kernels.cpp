@@ -107,20 +107,20 @@ double kernel_rows(const FluidMesh& mesh, const std::string& name) {
   };
   // 1. assembly
   const double peak = arithmetic_peak();
-  const double jacobian = least(3, [&] { assemble(&A); });
+  const double jacobian = least_processor_time(3, [&] { assemble(&A); });
   const double at_peak = operations_of_element<n>() * mesh.cell_count() / peak;
   row(name + "/equations", static_cast<double>(size), "count");
   row(name + "/operations_an_element", operations_of_element<n>(), "count");
   row(name + "/jacobian_assembly", 1e3 * jacobian, "ms");
   row(name + "/jacobian_assembly_over_arithmetic_peak", 100 * jacobian / at_peak, "percent");
-  row(name + "/residual_assembly", 1e3 * least(3, [&] { assemble(nullptr); }), "ms");
+  row(name + "/residual_assembly", 1e3 * least_processor_time(3, [&] { assemble(nullptr); }), "ms");
   // 2. a linear iteration: a product, a factor's solution, a defect of the pressure rows
-  row(name + "/ilu_factorisation", 1e3 * least(2, [&] { (void)ilu.factor(A); }), "ms");
+  row(name + "/ilu_factorisation", 1e3 * least_processor_time(2, [&] { (void)ilu.factor(A); }), "ms");
   pressure.copy(A);
   const double bandwidth = memory_bandwidth();
-  const double product = least(5, [&] { A.multiply(x.data(), y.data()); });
-  const double solution = least(5, [&] { ilu.apply(x.data(), y.data()); });
-  const double rows = least(5, [&] { pressure.defect(x.data(), y.data(), defect.data()); });
+  const double product = least_processor_time(5, [&] { A.multiply(x.data(), y.data()); });
+  const double solution = least_processor_time(5, [&] { ilu.apply(x.data(), y.data()); });
+  const double rows = least_processor_time(5, [&] { pressure.defect(x.data(), y.data(), defect.data()); });
   const double entries = static_cast<double>(pattern.column.size());
   const double bytes = entries * (n * n * (4 + 2 + 1) + 3 * 4) + 6.0 * 8 * static_cast<double>(size);
   row(name + "/product", 1e3 * product, "ms");

@@ -41,7 +41,7 @@ double memory_bandwidth() {
   constexpr std::size_t n = 12'000'000; // 3 x 96 MB
   std::vector<double> a(n, 0.0), b(n, 1.0), c(n, 2.0);
   volatile double sink = 0;
-  const double time = least(6, [&] {
+  const double time = least_processor_time(6, [&] {
     for (std::size_t i = 0; i < n; ++i) a[i] = b[i] + 0.5 * c[i];
     sink = a[n / 2];
   });
@@ -50,7 +50,7 @@ double memory_bandwidth() {
 
 double arithmetic_peak() {
   volatile double sink = 0;
-  const double time = least(4, [&] {
+  const double time = least_processor_time(4, [&] {
     sink = best_isa() == Isa::avx512 ? chains_avx512()
            : best_isa() == Isa::avx2 ? chains_avx2()
                                      : chains_baseline();

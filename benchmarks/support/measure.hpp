@@ -50,6 +50,17 @@ template <class Function>
   return best;
 }
 
+template <class Function>
+[[nodiscard]] double least_processor_time(int runs, Function&& f) {
+  double best = INFINITY;
+  for (int k = 0; k < runs; ++k) {
+    const double start = processor_seconds();
+    f();
+    best = std::min(best, processor_seconds() - start);
+  }
+  return best;
+}
+
 /// Memory of the process now.
 [[nodiscard]] inline double resident_megabytes() {
   malloc_trim(0);

@@ -9,9 +9,9 @@
 #include "tests/support/verify.hpp"
 #include "tests/verification/fluid_case.hpp"
 
-/// The flow round the rigid, inflated T-10 at the paper's size from an impulsive start: the air at rest
-/// relative to nothing but the canopy's cloth, 22 ft/s everywhere, at Re = 5e6 with Smagorinsky's model; 100
-/// space-time slabs of the paper's step. Feet, slugs, seconds.
+/// The flow round the rigid, inflated T-10 at the paper's size from an impulsive start: 22 ft/s everywhere
+/// but on the cloth, at Re = 5e6 with Smagorinsky's model; 100 space-time slabs of the paper's step. Feet,
+/// slugs, seconds.
 namespace drogue::fluid::test {
 namespace {
 
@@ -40,26 +40,23 @@ TEST(T10, AHundredStepsFromAnImpulsiveStart) {
   FlowCase flow(s, std::move(*made));
   fmt::print("{} nodes, {} tetrahedra\n", flow.mesh().node_count(), flow.mesh().cell_count());
 
-  double cfl = 0, fastest = 0;
+  double cfl = 0;
   std::vector<double> drag;
   while (drag.size() < steps && !HasFailure()) {
     drag.push_back(flow.step(space_time, 0.0032).front().reaction[2] / unit);
     cfl = std::max(cfl, largest_cfl(flow.mesh(), flow.state().x, flow.state().u, 0.0032));
-    for (std::size_t i = 0; i < flow.state().u.size(); i += 3)
-      fastest =
-          std::max(fastest, std::hypot(flow.state().u[i], flow.state().u[i + 1], flow.state().u[i + 2]));
-    fmt::print("step {} drag {:.4f} cfl {:.2f} fastest {:.2f}\n", drag.size(), drag.back(), cfl, fastest);
+    fmt::print("step {} drag {:.4f} cfl {:.2f}\n", drag.size(), drag.back(), cfl);
     std::fflush(stdout);
   }
   const std::string name = "fluid/t10_impulsive_start";
   verify(name, "steps_done", static_cast<double>(flow.state().step), steps, 0);
   verify_between(name, "largest_cfl", cfl, 0, 10);
-  verify_between(name, "fastest_over_stream", fastest / speed, 1, 5);
-  // the first step holds the impulse
-  ASSERT_GT(drag.size(), 10U);
-  const auto [least, largest] = std::minmax_element(drag.begin() + 10, drag.end());
-  verify_between(name, "least_C_D", *least, 0, 2);
-  verify_between(name, "largest_C_D", *largest, 0, 2);
+  // the first slabs hold the impulse, 234 in the first, -97 in the second
+  constexpr int impulse = 20;
+  ASSERT_GT(drag.size(), static_cast<std::size_t>(impulse));
+  const auto [least, largest] = std::minmax_element(drag.begin() + impulse, drag.end());
+  verify_between(name, "least_C_D_after_20", *least, 0, 1);
+  verify_between(name, "largest_C_D_after_20", *largest, 0, 1);
 }
 
 } // namespace
