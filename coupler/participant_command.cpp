@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "common/base/worker_pool.hpp"
 #include "coupler/launcher/process.hpp"
 
 namespace drogue::coupler {
@@ -15,11 +16,14 @@ std::vector<std::string> participant_environment(const ParticipantSettings& p) {
            std::any_of(p.environment.begin(), p.environment.end(),
                        [&](const auto& own) { return own.rfind(name + "=", 0) == 0; });
   };
-  for (const char* preset : {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1", "OMPI_ALLOW_RUN_AS_ROOT=1",
-                             "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1", "OMPI_MCA_mpi_yield_when_idle=1"}) {
-    const std::string entry(preset);
-    if (!given(entry.substr(0, entry.find('=')))) e.push_back(entry);
-  }
+  // Where ranks share processors, one that waits for another must leave it its own. Elsewhere it would leave
+  // it to whatever else the machine does, and get it back late.
+  const bool ranks_share = p.ranks > usable_processors();
+  for (const std::string& preset :
+       {std::string("OPENBLAS_NUM_THREADS=1"), std::string("OMP_NUM_THREADS=1"),
+        std::string("OMPI_ALLOW_RUN_AS_ROOT=1"), std::string("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"),
+        fmt::format("OMPI_MCA_mpi_yield_when_idle={}", ranks_share ? 1 : 0)})
+    if (!given(preset.substr(0, preset.find('=')))) e.push_back(preset);
   e.insert(e.end(), p.environment.begin(), p.environment.end());
   return e;
 }

@@ -8,10 +8,14 @@
 
 namespace drogue {
 
-int default_threads() {
-  if (const char* wanted = std::getenv("OMP_NUM_THREADS")) return std::clamp(std::atoi(wanted), 1, 256);
+int usable_processors() {
   cpu_set_t usable;
   return sched_getaffinity(0, sizeof usable, &usable) == 0 ? CPU_COUNT(&usable) : 1;
+}
+
+int default_threads() {
+  if (const char* wanted = std::getenv("OMP_NUM_THREADS")) return std::clamp(std::atoi(wanted), 1, 256);
+  return usable_processors();
 }
 
 WorkerPool::WorkerPool(int workers) {

@@ -10,6 +10,9 @@
 
 namespace drogue {
 
+/// Processors that this process may run on.
+[[nodiscard]] int usable_processors();
+
 /// Threads to use when the config leaves it open: what OMP_NUM_THREADS says (the coupler sets it to 1 for its
 /// solvers), else one for each processor that this process may use.
 [[nodiscard]] int default_threads();
