@@ -84,7 +84,8 @@ void verify_shedding(const std::string& name, FlowCase& flow, double dt, double 
 
 /// The shedding grows from a push on a coarse mesh, and goes over to finer ones, where the viscous force is
 /// recovered for the stabilisation: without it the middle mesh gives 450 +- 6 for the drag, +- 487 for the
-/// lift; and on the coarse mesh the shedding would grow half as fast.
+/// lift; and on the coarse mesh the shedding would grow half as fast. The step is that of the reference,
+/// whose scheme has errors of its own: half of it makes the amplitudes larger, that of the drag by 6 %.
 TEST(Flag, Cfd3) {
   Settings s = flag_settings(2);
   s.newton.residual_tolerance = 1e-3;
@@ -97,7 +98,8 @@ TEST(Flag, Cfd3) {
   verify_shedding("fluid/cfd3_15k", second, 0.005, 2.5, 2);
   FlowCase third(s, mirrored_flag_in_channel(fine));
   start_from(second, third);
-  verify_shedding("fluid/cfd3_30k", third, 0.0025, 1.25, 1);
+  verify_shedding("fluid/cfd3_30k", third, 0.005, 1.25, 1);
+  verify_shedding("fluid/cfd3_30k_half_step", third, 0.0025, 0.75, 2);
 }
 #else
 TEST(Flag, Cfd1) {
