@@ -7,9 +7,10 @@
 #include <cstring>
 #include <vector>
 
-#include <Eigen/Core>
 #include <cholmod.h>
 #include <umfpack.h>
+
+#include "common/la_direct/column_kernels.hpp"
 
 extern "C" {
 void openblas_set_num_threads(int);
@@ -59,7 +60,8 @@ struct CholeskySolver::State {
   cholmod_factor* factor = nullptr;
   cholmod_dense *solution = nullptr, *work1 = nullptr, *work2 = nullptr; // kept: solves allocate once
   int n = 0;
-  std::vector<double> interleaved; // of solve_by_columns
+  std::vector<double> interleaved;    // of solve_by_columns
+  std::vector<std::int32_t> together; // columns_together
 
   explicit State(Use use) {
     const bool solutions = use == Use::many_solutions;
@@ -84,6 +86,15 @@ struct CholeskySolver::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   void solve_by_columns(const double* b, double* x, int columns);
+  [[nodiscard]] FactorColumns factor_columns() const {
+    return {n,
+            static_cast<int*>(factor->p),
+            static_cast<int*>(factor->nz),
+            static_cast<int*>(factor->i),
+            static_cast<double*>(factor->x),
+            together.data(),
+            static_cast<std::int32_t>(together.size()) - 1};
+  }
   void clear() {
     if (factor) cholmod_free_factor(&factor, &common);
     for (cholmod_dense** dense : {&solution, &work1, &work2}) cholmod_free_dense(dense, &common);
@@ -136,37 +147,28 @@ Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
   if (s.common.status == CHOLMOD_NOT_POSDEF) return false;
   if (s.common.status < 0)
     return internal_error("CHOLMOD cannot factor the matrix (status {})", s.common.status);
-  return s.factor->minor == s.factor->n;
+  if (s.factor->minor != s.factor->n) return false;
+  if (!s.factor->is_super) s.together = columns_together(s.factor_columns());
+  return true;
 }
 
-/// L L^T x = b for up to four right-hand sides at once, side by side in memory, by the columns of L: half the
-/// time of CHOLMOD's supernodes, whose dense kernels have too little to do with three columns.
+/// L L^T x = b for up to eight right-hand sides at once, side by side in memory, by the columns of L: half
+/// the time of CHOLMOD's supernodes, whose dense kernels have too little to do with three columns.
 void CholeskySolver::State::solve_by_columns(const double* b, double* x, int columns) {
   const auto size = static_cast<std::size_t>(n);
-  const int *first = static_cast<int*>(factor->p), *count = static_cast<int*>(factor->nz),
-            *row = static_cast<int*>(factor->i), *order = static_cast<int*>(factor->Perm);
-  const double* L = static_cast<double*>(factor->x);
-  interleaved.assign(4 * size, 0.0);
+  const std::size_t lanes = columns > 4 ? 8 : 4;
+  const int* order = static_cast<int*>(factor->Perm);
+  interleaved.assign(lanes * size, 0.0);
   double* y = interleaved.data();
-  const auto at = [y](int k) { return Eigen::Map<Eigen::Array4d>(y + 4 * static_cast<std::size_t>(k)); };
-  for (int k = 0; k < n; ++k)
+  for (std::size_t k = 0; k < size; ++k)
     for (int c = 0; c < columns; ++c)
-      at(k)[c] = b[static_cast<std::size_t>(c) * size + static_cast<std::size_t>(order[k])];
-  for (int k = 0; k < n; ++k) {
-    const int begin = first[k], end = begin + count[k];
-    const Eigen::Array4d z = at(k) / L[begin];
-    at(k) = z;
-    for (int j = begin + 1; j < end; ++j) at(row[j]) -= L[j] * z;
-  }
-  for (int k = n - 1; k >= 0; --k) {
-    const int begin = first[k], end = begin + count[k];
-    Eigen::Array4d z = at(k);
-    for (int j = begin + 1; j < end; ++j) z -= L[j] * at(row[j]);
-    at(k) = z / L[begin];
-  }
-  for (int k = 0; k < n; ++k)
+      y[lanes * k + static_cast<std::size_t>(c)] =
+          b[static_cast<std::size_t>(c) * size + static_cast<std::size_t>(order[k])];
+  (lanes == 4 ? column_kernels().solve_4 : column_kernels().solve_8)(factor_columns(), y);
+  for (std::size_t k = 0; k < size; ++k)
     for (int c = 0; c < columns; ++c)
-      x[static_cast<std::size_t>(c) * size + static_cast<std::size_t>(order[k])] = at(k)[c];
+      x[static_cast<std::size_t>(c) * size + static_cast<std::size_t>(order[k])] =
+          y[lanes * k + static_cast<std::size_t>(c)];
 }
 
 Result<void> CholeskySolver::solve(std::span<const double> b, std::span<double> x, int columns) {
@@ -174,9 +176,9 @@ Result<void> CholeskySolver::solve(std::span<const double> b, std::span<double> 
   assert(s.factor && b.size() == x.size() &&
          b.size() == static_cast<std::size_t>(s.n) * static_cast<std::size_t>(columns));
   if (!s.factor->is_super) {
-    for (int c = 0; c < columns; c += 4) {
+    for (int c = 0; c < columns; c += 8) {
       const auto start = static_cast<std::size_t>(c) * static_cast<std::size_t>(s.n);
-      s.solve_by_columns(b.data() + start, x.data() + start, std::min(4, columns - c));
+      s.solve_by_columns(b.data() + start, x.data() + start, std::min(8, columns - c));
     }
     return {};
   }

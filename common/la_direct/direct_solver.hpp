@@ -24,8 +24,8 @@ class CholeskySolver {
  public:
   enum class Use {
     many_factors,   ///< supernodal, METIS ordering: the quickest factorisation
-    many_solutions, ///< AMD ordering, L by columns without zeros: quick to analyse, three or four columns at
-                    ///< a time
+    many_solutions, ///< AMD ordering, L by columns without zeros: quick to analyse, four or eight
+                    ///< right-hand sides at a time
   };
   explicit CholeskySolver(Use use = Use::many_factors);
   ~CholeskySolver();

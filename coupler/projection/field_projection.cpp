@@ -126,37 +126,50 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
   if (!*factored)
     return config_error("the mass matrix of the {} surface is singular: raise projection.quadrature_order",
                         fluid.name);
-  made.work_.resize(3 * static_cast<std::size_t>(made.merged_.count));
   return made;
 }
 
-Result<void> FieldProjection::apply(std::span<const double> structure, std::span<double> fluid,
-                                    int components) {
-  const auto c = static_cast<std::size_t>(components);
-  assert(components >= 1 && components <= 3 && structure.size() == structure_nodes_ * c);
-  if (matching()) {
-    for (std::size_t i = 0; i < copy_from_.size(); ++i)
-      for (std::size_t k = 0; k < c; ++k)
-        fluid[i * c + k] = structure[static_cast<std::size_t>(copy_from_[i]) * c + k];
-    return {};
-  }
-  assert(fluid.size() == merged_.group.size() * c);
+void FieldProjection::copy(const Transfer& field, std::size_t c) const {
+  for (std::size_t i = 0; i < copy_from_.size(); ++i)
+    for (std::size_t k = 0; k < c; ++k)
+      field.fluid[i * c + k] = field.structure[static_cast<std::size_t>(copy_from_[i]) * c + k];
+}
+
+/// {components, unknowns}, relative to the first node: rounding is that of the differences, and none is left
+/// of constants.
+void FieldProjection::multiply(const Transfer& field, std::size_t c, double* product) const {
   const auto n = static_cast<std::size_t>(merged_.count);
-  // Relative to the first node: rounding is that of the differences, and none is left of constants.
   const int* first = B_.outerIndexPtr();
   for (std::size_t a = 0; a < n; ++a) {
     double sum[3] = {0, 0, 0};
     for (int j = first[a]; j < first[a + 1]; ++j) {
-      const double* d = structure.data() + static_cast<std::size_t>(B_.innerIndexPtr()[j]) * c;
-      for (std::size_t k = 0; k < c; ++k) sum[k] += B_.valuePtr()[j] * (d[k] - structure[k]);
+      const double* d = field.structure.data() + static_cast<std::size_t>(B_.innerIndexPtr()[j]) * c;
+      for (std::size_t k = 0; k < c; ++k) sum[k] += B_.valuePtr()[j] * (d[k] - field.structure[k]);
     }
-    for (std::size_t k = 0; k < c; ++k) work_[k * n + a] = sum[k];
+    for (std::size_t k = 0; k < c; ++k) product[k * n + a] = sum[k];
   }
-  const std::span<double> columns(work_.data(), c * n);
-  DROGUE_TRY(M_.solve(columns, columns, components));
+}
+
+void FieldProjection::spread(const double* solution, const Transfer& field, std::size_t c) const {
+  const auto n = static_cast<std::size_t>(merged_.count);
   for (std::size_t i = 0; i < merged_.group.size(); ++i)
     for (std::size_t k = 0; k < c; ++k)
-      fluid[i * c + k] = structure[k] + work_[k * n + static_cast<std::size_t>(merged_.group[i])];
+      field.fluid[i * c + k] =
+          field.structure[k] + solution[k * n + static_cast<std::size_t>(merged_.group[i])];
+}
+
+Result<void> FieldProjection::apply(std::span<const Transfer> fields, int components) {
+  const auto c = static_cast<std::size_t>(components);
+  assert(components >= 1 && components <= 3);
+  if (matching()) {
+    for (const Transfer& field : fields) copy(field, c);
+    return {};
+  }
+  const std::size_t size = c * static_cast<std::size_t>(merged_.count);
+  work_.resize(fields.size() * size);
+  for (std::size_t f = 0; f < fields.size(); ++f) multiply(fields[f], c, work_.data() + f * size);
+  DROGUE_TRY(M_.solve(work_, work_, components * static_cast<int>(fields.size())));
+  for (std::size_t f = 0; f < fields.size(); ++f) spread(work_.data() + f * size, fields[f], c);
   return {};
 }
 

@@ -26,20 +26,33 @@ class FieldProjection {
   [[nodiscard]] static Result<FieldProjection> create(const InterfaceQuadrature& quadrature,
                                                       const Surface& structure, const Surface& fluid);
 
-  /// @param structure {structure nodes, components}  @param fluid {fluid nodes, components}  @pre components
-  /// <= 3
+  /// From `structure` {structure nodes, components} to `fluid` {fluid nodes, components}.
+  struct Transfer {
+    std::span<const double> structure;
+    std::span<double> fluid;
+  };
+  /// Several fields at once: the factor, which is larger than they are, is read once for two of them.
+  /// @pre components <= 3
+  [[nodiscard]] Result<void> apply(std::span<const Transfer> fields, int components = 3);
   [[nodiscard]] Result<void> apply(std::span<const double> structure, std::span<double> fluid,
-                                   int components = 3);
+                                   int components = 3) {
+    const Transfer one{structure, fluid};
+    return apply(std::span(&one, 1), components);
+  }
 
   [[nodiscard]] bool matching() const { return !copy_from_.empty(); }
 
  private:
+  void copy(const Transfer& field, std::size_t components) const;
+  void multiply(const Transfer& field, std::size_t components, double* product) const;
+  void spread(const double* solution, const Transfer& field, std::size_t components) const;
+
   std::size_t structure_nodes_ = 0;
   std::vector<std::int32_t> copy_from_; ///< {fluid nodes}: structure node; empty unless matching
   Merged merged_;
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> B_;
   la::CholeskySolver M_{la::CholeskySolver::Use::many_solutions};
-  std::vector<double> work_; ///< {components, unknowns}
+  std::vector<double> work_; ///< {fields, components, unknowns}
 };
 
 } // namespace drogue::projection

@@ -67,6 +67,7 @@ Result<Exchange> Exchange::create(Participants& participants, const CaseSettings
   exchange.fluid_d_.resize(participants.fluid_interface.points.size());
   exchange.fluid_x_.resize(exchange.fluid_d_.size());
   exchange.fluid_v_.resize(exchange.fluid_d_.size());
+  exchange.fluid_v_start_.resize(exchange.fluid_d_.size());
   exchange.structure_x_.resize(exchange.structure_size());
   exchange.force_.resize(exchange.structure_size());
   if (pairing.recover_traction) exchange.traction_.resize(exchange.structure_size());
@@ -87,7 +88,6 @@ Vector3 Exchange::vector_area(std::span<const double> d) const {
 
 Result<FloatArray> Exchange::move_mesh(const Station& at, std::span<const double> d,
                                        IterationRecord& record) {
-  DROGUE_TRY(interface_.field.apply(d, fluid_d_));
   Fields inputs;
   FloatArray& wanted = inputs["displacement"] = FloatArray{{to_mesh_mover_.size(), 3}, {}};
   wanted.values.reserve(3 * to_mesh_mover_.size());
@@ -106,14 +106,15 @@ Result<FloatArray> Exchange::move_mesh(const Station& at, std::span<const double
 }
 
 Result<FloatArray> Exchange::solve_flow(const Station& at, FloatArray mesh_displacement,
-                                        std::span<const double> v, std::span<const double> v_start) {
+                                        std::span<const double> v_start) {
   Fields inputs;
   inputs["mesh_displacement"] = std::move(mesh_displacement);
-  DROGUE_TRY(interface_.field.apply(v, fluid_v_));
   if (!v_start.empty()) {
-    std::vector<double> start(fluid_d_.size());
-    DROGUE_TRY(interface_.field.apply(v_start, start));
-    inputs["velocity_start"] = field(std::move(start));
+    if (!std::equal(v_start.begin(), v_start.end(), v_start_.begin(), v_start_.end())) {
+      v_start_.assign(v_start.begin(), v_start.end()); // it stays for a step, mostly
+      DROGUE_TRY(interface_.field.apply(v_start_, fluid_v_start_));
+    }
+    inputs["velocity_start"] = field(fluid_v_start_);
   }
   inputs["velocity"] = field(fluid_v_);
   auto outputs = participants_.fluid(at, std::move(inputs));
@@ -183,9 +184,11 @@ Result<void> Exchange::structure(const Station& at, std::span<const double> d, s
 Result<void> Exchange::fluid(const Station& at, LoadShare share, std::span<const double> d,
                              std::span<const double> v, std::span<const double> v_start,
                              IterationRecord& record) {
+  const std::array<projection::FieldProjection::Transfer, 2> both{{{d, fluid_d_}, {v, fluid_v_}}};
+  DROGUE_TRY(interface_.field.apply(both));
   auto mesh_displacement = move_mesh(at, d, record);
   if (!mesh_displacement) return mesh_displacement.error();
-  const auto load = solve_flow(at, std::move(*mesh_displacement), v, v_start);
+  const auto load = solve_flow(at, std::move(*mesh_displacement), v_start);
   if (!load) return load.error();
   DROGUE_TRY(transfer_load(*load, share, d, v, record));
   report(record);

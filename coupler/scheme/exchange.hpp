@@ -69,10 +69,8 @@ class Exchange {
       : participants_(participants), interface_(std::move(interface)), surface_(interface_.structure) {}
   [[nodiscard]] Result<participant::FloatArray> move_mesh(const Station& at, std::span<const double> d,
                                                           IterationRecord& record);
-  [[nodiscard]] Result<participant::FloatArray> solve_flow(const Station& at,
-                                                           participant::FloatArray mesh_displacement,
-                                                           std::span<const double> v,
-                                                           std::span<const double> v_start);
+  [[nodiscard]] Result<participant::FloatArray>
+  solve_flow(const Station& at, participant::FloatArray mesh_displacement, std::span<const double> v_start);
   [[nodiscard]] Result<void> end_structure(std::vector<double>& d_tilde, std::vector<double>& v_tilde);
   void report(IterationRecord& record) const;
   [[nodiscard]] Result<participant::Fields> structure_inputs(std::span<const double> d,
@@ -87,6 +85,7 @@ class Exchange {
   bool outer_boundary_follows_ = true;
   std::vector<std::int64_t> to_mesh_mover_; ///< {n}: fluid interface node of each mesh mover interface node
   std::vector<double> fluid_d_, fluid_v_, fluid_x_, structure_x_, force_;
+  std::vector<double> v_start_, fluid_v_start_;  ///< the last one projected, and what came of it
   std::vector<double> given_force_, last_force_; ///< last_force_ empty: force_ is given_force_
   double extrapolation_ = 0;
   std::vector<double> first_force_;
