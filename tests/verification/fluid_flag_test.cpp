@@ -85,7 +85,7 @@ void verify_shedding(const std::string& name, FlowCase& flow, double dt, double 
 /// The shedding grows from a push on a coarse mesh, and goes over to finer ones, where the viscous force is
 /// recovered for the stabilisation: without it the middle mesh gives 450 +- 6 for the drag, +- 487 for the
 /// lift; and on the coarse mesh the shedding would grow half as fast. The step is that of the reference,
-/// whose scheme has errors of its own: half of it makes the amplitudes larger, that of the drag by 6 %.
+/// whose scheme has errors of its own: half of it makes the amplitudes larger, that of the drag by 3 %.
 TEST(Flag, Cfd3) {
   Settings s = flag_settings(2);
   s.newton.residual_tolerance = 1e-3;
