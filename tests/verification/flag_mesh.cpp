@@ -21,8 +21,8 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// What lies below the axis; groups fluid, bottom, outflow, inflow, obstacle.
-mesh::Mesh lower_half(const PlaneSize& size) {
+/// What lies below the axis; groups fluid, bottom, outflow, inflow, obstacle, and plate when it is apart.
+mesh::Mesh lower_half(const PlaneSize& size, bool flag_apart) {
   const mesh::GmshSession session;
   constexpr double radius = 0.05, half = 0.01, end = 0.6;
   const double root = axis + std::sqrt(radius * radius - half * half);
@@ -44,12 +44,16 @@ mesh::Mesh lower_half(const PlaneSize& size) {
   }
   const int surface = geo::addPlaneSurface({geo::addCurveLoop(curves)});
   geo::synchronize();
-  return triangulated(surface,
-                      {{"bottom", {curves[0]}},
-                       {"outflow", {curves[1]}},
-                       {"inflow", {curves[8]}},
-                       {"obstacle", {curves[3], curves[4], curves[5], curves[6]}}},
-                      size);
+  std::vector<std::pair<std::string, std::vector<int>>> groups{
+      {"bottom", {curves[0]}}, {"outflow", {curves[1]}}, {"inflow", {curves[8]}}};
+  const std::vector<int> flag{curves[3], curves[4]}, cylinder{curves[5], curves[6]};
+  if (flag_apart) {
+    groups.push_back({"obstacle", cylinder});
+    groups.push_back({"plate", flag});
+  } else {
+    groups.push_back({"obstacle", {flag[0], flag[1], cylinder[0], cylinder[1]}});
+  }
+  return triangulated(surface, groups, size);
 }
 
 std::vector<std::int32_t>& nodes_of(mesh::Mesh& m, const std::string& group) {
@@ -82,8 +86,8 @@ std::vector<std::int32_t> add_image(mesh::Mesh& m) {
 
 } // namespace
 
-mesh::Mesh mirrored_flag_in_channel(const FlagSizes& sizes) {
-  mesh::Mesh m = lower_half(flag_sizes(sizes));
+mesh::Mesh mirrored_flag_in_channel(const FlagSizes& sizes, bool flag_apart) {
+  mesh::Mesh m = lower_half(flag_sizes(sizes), flag_apart);
   std::vector<std::int32_t> line = add_image(m);
   m.blocks.push_back({"top", mesh::ElementKind::line2, {}});
   const auto add = [&](const std::string& group, std::initializer_list<std::int32_t> nodes) {

@@ -40,7 +40,7 @@ struct FlagSizes {
 [[nodiscard]] mesh::Mesh flag_in_channel(const FlagSizes& sizes, bool flag_apart);
 /// The same with a mesh that is its own mirror image in the flag's axis y = 0.2, but for the strip 0.4 < y <
 /// 0.41: the lift, small beside the drag, is not that of the mesh. Groups as of channel_mesh.
-[[nodiscard]] mesh::Mesh mirrored_flag_in_channel(const FlagSizes& sizes);
+[[nodiscard]] mesh::Mesh mirrored_flag_in_channel(const FlagSizes& sizes, bool flag_apart = false);
 
 /// `fine` on the distance 0, growing by `growth` length a length of distance, at most `coarse`.
 [[nodiscard]] double graded(double distance, double fine, double growth, double coarse);
