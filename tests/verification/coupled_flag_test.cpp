@@ -202,8 +202,10 @@ const SwingReference fsi2{{-14.85e-3, 12.70e-3, 0.03, 0.03},
                           1.93};
 
 Flag flag(const std::string& level, const fluid::FlagSizes& sizes, int along, double dt) {
-  return {
+  Flag f{
       "coupler/fsi2" + level, 1, 10000, 1.4e6, sizes, along, dt, 8, 0.5, "t < 0.5 ? 0 : (t < 0.8 ? 1.5 : 0)"};
+  f.mirrored = true;
+  return f;
 }
 
 TEST(Flag, Fsi2Coarse) {
@@ -233,6 +235,10 @@ TEST(Flag, Fsi3Coarse) {
 
 TEST(Flag, Fsi3) {
   verify_swinging(flag("", {0.0035, 0.12, 0.026}, 36, 0.005), fsi3);
+}
+
+TEST(Flag, Fsi3Fine) {
+  verify_swinging(flag("_fine", {0.002, 0.1, 0.018}, 48, 0.005), fsi3);
 }
 #endif
 
