@@ -213,7 +213,11 @@ TEST(Flag, Fsi2Coarse) {
 }
 
 TEST(Flag, Fsi2) {
-  verify_swinging(flag("", {0.0035, 0.12, 0.026}, 36, 0.005), fsi2);
+  verify_swinging(flag("", {0.0035, 0.12, 0.026}, 36, 0.01), fsi2);
+}
+
+TEST(Flag, Fsi2HalfTheStep) {
+  verify_swinging(flag("_half_the_step", {0.0035, 0.12, 0.026}, 36, 0.005), fsi2);
 }
 #else
 const SwingReference fsi3{{-2.88e-3, 2.72e-3, 0.03, 0.03},
