@@ -20,28 +20,18 @@ void for_blocks(std::size_t n, Visit&& visit) {
     visit(start, std::min(rows_at_once, n - start));
 }
 
+std::span<const double> rows(const std::vector<double>& v, std::size_t start, std::size_t size) {
+  return std::span(v).subspan(start, size);
+}
+
 /// y += sum_j c_j times the member `what` of the columns kept.
 template <class Columns, class Values>
 void add_columns(const std::vector<double>& c, const Columns& columns, const std::vector<std::size_t>& kept,
                  Values what, std::span<double> y) {
   for_blocks(y.size(), [&](std::size_t start, std::size_t size) {
     for (std::size_t j = 0; j < c.size(); ++j)
-      add_scaled(c[j], std::span(*((*columns[kept[j]]).*what)).subspan(start, size), y.subspan(start, size));
+      add_scaled(c[j], rows((*columns[kept[j]]).*what, start, size), y.subspan(start, size));
   });
-}
-
-/// r += sum_j c_j dr_j over the columns kept.
-template <class Columns>
-void add_residuals(const std::vector<double>& c, const Columns& columns, const std::vector<std::size_t>& kept,
-                   std::span<double> r) {
-  for_blocks(r.size(), [&](std::size_t start, std::size_t size) {
-    for (std::size_t j = 0; j < c.size(); ++j)
-      columns[kept[j]]->dr.add_to(r.subspan(start, size), c[j], start);
-  });
-}
-
-std::shared_ptr<const std::vector<double>> shared(std::vector<double> values) {
-  return std::make_shared<const std::vector<double>>(std::move(values));
 }
 
 std::size_t packed(std::size_t i, std::size_t j) {
@@ -67,8 +57,6 @@ void IqnIls::begin_step() {
   step_at_begin_ = step_;
   ++step_;
   while (!columns_.empty() && columns_.back()->step < step_ - settings_.reuse_steps) columns_.pop_back();
-  for (std::size_t k = 0; k < columns_.size() && !columns_[k]->dr.is_rounded(); ++k)
-    columns_[k] = std::make_shared<const Column>(columns_[k]->rounded());
   has_last_ = false;
 }
 
@@ -96,7 +84,7 @@ IqnIls::products(std::initializer_list<std::span<const double>> vectors) const {
     for (std::size_t k = 0; k < columns_.size(); ++k) {
       auto sum = sums.begin();
       for (const auto vector : vectors)
-        (*sum++)[k] += columns_[k]->dr.dot(start, vector.subspan(start, size));
+        (*sum++)[k] += dot(vector.subspan(start, size), rows(columns_[k]->dr, start, size));
     }
   });
   return sums;
@@ -113,11 +101,10 @@ void IqnIls::add_column(const Iterate& at) {
   auto sums = products({dr, r_});
   const std::span<const double> own(dr);
   sums[0].insert(sums[0].begin(), dot(own, own));
-  sums[1].insert(sums[1].begin(), dot(own, std::span<const double>(r_)));
+  sums[1].insert(sums[1].begin(), dot(own, r_));
   of_r_ = std::move(sums[1]);
-  columns_.push_front(
-      std::make_shared<const Column>(Column{step_, SecantVector(std::move(dr)), shared(change(at.h, h_last_)),
-                                            shared(change(at.h_passenger, p_last_)), std::move(sums[0])}));
+  columns_.push_front(std::make_shared<const Column>(Column{
+      step_, std::move(dr), change(at.h, h_last_), change(at.h_passenger, p_last_), std::move(sums[0])}));
 }
 
 /// Cholesky of the Gram matrix of the columns begin to end, newest first, leaving out what fails the filter.
@@ -167,13 +154,13 @@ std::vector<double> IqnIls::least_squares(std::size_t begin) const {
   const std::size_t m = kept_.size(), n = rest_.size();
   std::vector<double> c(m), more(m, 0.0), rest(rows_at_once);
   for (std::size_t j = 0; j < m; ++j)
-    c[j] = -(begin == 0 ? of_r_[kept_[j]] : columns_[kept_[j]]->dr.dot(0, rest_));
+    c[j] = -(begin == 0 ? of_r_[kept_[j]] : dot(columns_[kept_[j]]->dr, rest_));
   solve_normal_equations(c);
   for_blocks(n, [&](std::size_t start, std::size_t size) {
     const std::span<double> part(rest.data(), size);
     std::copy_n(rest_.data() + start, size, part.data());
-    for (std::size_t j = 0; j < m; ++j) columns_[kept_[j]]->dr.add_to(part, c[j], start);
-    for (std::size_t j = 0; j < m; ++j) more[j] -= columns_[kept_[j]]->dr.dot(start, part);
+    for (std::size_t j = 0; j < m; ++j) add_scaled(c[j], rows(columns_[kept_[j]]->dr, start, size), part);
+    for (std::size_t j = 0; j < m; ++j) more[j] -= dot(rows(columns_[kept_[j]]->dr, start, size), part);
   });
   solve_normal_equations(more);
   for (std::size_t j = 0; j < m; ++j) c[j] += more[j];
@@ -195,7 +182,7 @@ bool IqnIls::add_group(std::size_t begin, std::size_t end, std::span<double> x_n
   used_ += static_cast<int>(kept_.size());
   const std::vector<double> c = least_squares(begin);
   if (!all_finite(c)) return false;
-  if (end < columns_.size()) add_residuals(c, columns_, kept_, rest_);
+  if (end < columns_.size()) add_columns(c, columns_, kept_, &Column::dr, rest_);
   add_columns(c, columns_, kept_, &Column::dh, x_next);
   add_columns(c, columns_, kept_, &Column::dp, passenger_next);
   return true;
@@ -240,9 +227,9 @@ State IqnIls::save() const {
   };
   for (const auto& column : columns_) {
     state.column_step.push_back(column->step);
-    append(state.column_dr, column->dr.values());
-    append(state.column_dh, *column->dh);
-    append(state.column_dp, *column->dp);
+    append(state.column_dr, column->dr);
+    append(state.column_dh, column->dh);
+    append(state.column_dp, column->dp);
     const std::size_t columns_before = columns_.size() - state.column_step.size();
     const auto& gram = column->gram;
     state.column_gram.insert(state.column_gram.end(), gram.begin(),
@@ -268,10 +255,9 @@ Result<void> IqnIls::restore(const State& state) {
       return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(size));
     };
     const auto end = gram + static_cast<std::ptrdiff_t>(m - k);
-    const Column column{state.column_step[k], SecantVector(part(state.column_dr, n)),
-                        shared(part(state.column_dh, n)), shared(part(state.column_dp, passenger_)),
-                        std::vector<double>(gram, end)};
-    columns_.push_back(std::make_shared<const Column>(column.step < state.step ? column.rounded() : column));
+    Column column{state.column_step[k], part(state.column_dr, n), part(state.column_dh, n),
+                  part(state.column_dp, passenger_), std::vector<double>(gram, end)};
+    columns_.push_back(std::make_shared<const Column>(std::move(column)));
     gram = end;
   }
   step_ = state.step;

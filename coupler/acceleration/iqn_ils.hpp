@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "coupler/acceleration/accelerator.hpp"
-#include "coupler/acceleration/secant_vector.hpp"
 
 namespace drogue::acceleration {
 
@@ -30,9 +29,7 @@ namespace drogue::acceleration {
 /// place of O(m^2 n). The squared ratio is resolved down to 1e-13, so a filter below 3e-7 acts as 3e-7.
 ///
 /// The columns are many and long, and an iteration costs the reading of them. The dr are read twice (the new
-/// one's row of the Gram matrix together with the products of r, and the correction), dh and dp once. The dr
-/// of the steps before are kept in single precision: there they are approximations anyway, and what x and its
-/// passenger get stays the same combination.
+/// one's row of the Gram matrix together with the products of r, and the correction), dh and dp once.
 class IqnIls final : public Accelerator {
  public:
   IqnIls(const Settings& settings, std::span<const double> weights, std::size_t n, std::size_t passenger);
@@ -50,13 +47,10 @@ class IqnIls final : public Accelerator {
  private:
   struct Column {
     std::int64_t step = 0;
-    SecantVector dr; ///< scaled by the square roots of the weights
-    std::shared_ptr<const std::vector<double>> dh, dp;
+    std::vector<double> dr, dh, dp; ///< dr is scaled by the square roots of the weights
     /// Products of dr with this column (first) and the older ones, in the order of columns_ when it was
     /// added.
     std::vector<double> gram;
-
-    [[nodiscard]] Column rounded() const { return {step, dr.rounded(), dh, dp, gram}; }
   };
   using Columns = std::deque<std::shared_ptr<const Column>>;
 

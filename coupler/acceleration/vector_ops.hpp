@@ -7,10 +7,8 @@
 
 namespace drogue::acceleration {
 
-/// sum a_i b_i in double precision, in an order that depends on the length alone (not on the memory's
-/// alignment).
-template <class A>
-[[nodiscard]] double dot(std::span<const A> a, std::span<const double> b) noexcept {
+/// sum a_i b_i in an order that depends on the length alone (not on the memory's alignment).
+[[nodiscard]] inline double dot(std::span<const double> a, std::span<const double> b) noexcept {
   double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
   const std::size_t n = a.size(), whole = n - n % 4;
   for (std::size_t i = 0; i < whole; i += 4) {
@@ -24,8 +22,7 @@ template <class A>
 }
 
 /// y += c x
-template <class X>
-void add_scaled(double c, std::span<const X> x, std::span<double> y) noexcept {
+inline void add_scaled(double c, std::span<const double> x, std::span<double> y) noexcept {
   for (std::size_t i = 0; i < x.size(); ++i) y[i] += c * x[i];
 }
 
