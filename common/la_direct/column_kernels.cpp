@@ -3,6 +3,7 @@
 #include "common/la_direct/column_kernels.hpp"
 
 #include <cstddef>
+#include <type_traits>
 
 namespace drogue::la::DROGUE_ISA {
 namespace {
@@ -69,35 +70,29 @@ void backward(const FactorColumns& f, std::int32_t k, double* y) noexcept {
   }
 }
 
+/// Calls visit(std::integral_constant<int, width>{}), so that kernels know the width when compiled.
+template <class Visit>
+void with_width(std::int32_t width, Visit&& visit) {
+  static_assert(most_columns_together == 4);
+  switch (width) {
+  case 1:
+    return visit(std::integral_constant<int, 1>{});
+  case 2:
+    return visit(std::integral_constant<int, 2>{});
+  case 3:
+    return visit(std::integral_constant<int, 3>{});
+  default:
+    return visit(std::integral_constant<int, 4>{});
+  }
+}
+
 template <int lanes>
 void solve(const FactorColumns& f, double* y) noexcept {
-  static_assert(most_columns_together == 4);
-  for (std::int32_t g = 0; g < f.groups; ++g) switch (f.group[g + 1] - f.group[g]) {
-    case 1:
-      forward<lanes, 1>(f, f.group[g], y);
-      break;
-    case 2:
-      forward<lanes, 2>(f, f.group[g], y);
-      break;
-    case 3:
-      forward<lanes, 3>(f, f.group[g], y);
-      break;
-    default:
-      forward<lanes, 4>(f, f.group[g], y);
-    }
-  for (std::int32_t g = f.groups - 1; g >= 0; --g) switch (f.group[g + 1] - f.group[g]) {
-    case 1:
-      backward<lanes, 1>(f, f.group[g], y);
-      break;
-    case 2:
-      backward<lanes, 2>(f, f.group[g], y);
-      break;
-    case 3:
-      backward<lanes, 3>(f, f.group[g], y);
-      break;
-    default:
-      backward<lanes, 4>(f, f.group[g], y);
-    }
+  const auto width = [&](std::int32_t g) { return f.group[g + 1] - f.group[g]; };
+  for (std::int32_t g = 0; g < f.groups; ++g)
+    with_width(width(g), [&](auto w) { forward<lanes, w>(f, f.group[g], y); });
+  for (std::int32_t g = f.groups - 1; g >= 0; --g)
+    with_width(width(g), [&](auto w) { backward<lanes, w>(f, f.group[g], y); });
 }
 
 } // namespace

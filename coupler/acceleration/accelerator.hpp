@@ -35,12 +35,11 @@ struct State {
   std::int64_t step = 0;
   double omega = 0;
   /// IQN, newest column first, shapes {columns}, {columns, n}, {columns, n} and {columns, passenger
-  /// size}; of each column the products with itself and the older ones.
+  /// size}.
   std::vector<std::int64_t> column_step;
   std::vector<double> column_dr;
   std::vector<double> column_dh;
   std::vector<double> column_dp;
-  std::vector<double> column_gram;
 };
 
 /// One point of the iteration. All of shape {n}, the passenger's of shape {passenger size}.

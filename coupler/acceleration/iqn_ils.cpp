@@ -34,6 +34,13 @@ void add_columns(const std::vector<double>& c, const Columns& columns, const std
   });
 }
 
+/// The products of v with all columns: with `dr`, which is the newest, and the given ones with those before.
+std::vector<double> with_own(const std::vector<double>& dr, const std::vector<double>& v,
+                             std::vector<double> products) {
+  products.insert(products.begin(), dot(dr, v));
+  return products;
+}
+
 std::size_t packed(std::size_t i, std::size_t j) {
   return j * (j + 1) / 2 + i;
 }
@@ -99,12 +106,10 @@ void IqnIls::add_column(const Iterate& at) {
   };
   std::vector<double> dr = change(r_, r_last_);
   auto sums = products({dr, r_});
-  const std::span<const double> own(dr);
-  sums[0].insert(sums[0].begin(), dot(own, own));
-  sums[1].insert(sums[1].begin(), dot(own, r_));
-  of_r_ = std::move(sums[1]);
-  columns_.push_front(std::make_shared<const Column>(Column{
-      step_, std::move(dr), change(at.h, h_last_), change(at.h_passenger, p_last_), std::move(sums[0])}));
+  of_r_ = with_own(dr, r_, std::move(sums[1]));
+  std::vector<double> gram = with_own(dr, dr, std::move(sums[0]));
+  columns_.push_front(std::make_shared<const Column>(
+      Column{step_, std::move(dr), change(at.h, h_last_), change(at.h_passenger, p_last_), std::move(gram)}));
 }
 
 /// Cholesky of the Gram matrix of the columns begin to end, newest first, leaving out what fails the filter.
@@ -222,18 +227,11 @@ bool IqnIls::next(const Iterate& at, std::span<double> x_next, std::span<double>
 State IqnIls::save() const {
   State state;
   state.step = step_;
-  const auto append = [](std::vector<double>& all, const std::vector<double>& values) {
-    all.insert(all.end(), values.begin(), values.end());
-  };
   for (const auto& column : columns_) {
     state.column_step.push_back(column->step);
-    append(state.column_dr, column->dr);
-    append(state.column_dh, column->dh);
-    append(state.column_dp, column->dp);
-    const std::size_t columns_before = columns_.size() - state.column_step.size();
-    const auto& gram = column->gram;
-    state.column_gram.insert(state.column_gram.end(), gram.begin(),
-                             gram.begin() + static_cast<std::ptrdiff_t>(columns_before) + 1);
+    state.column_dr.insert(state.column_dr.end(), column->dr.begin(), column->dr.end());
+    state.column_dh.insert(state.column_dh.end(), column->dh.begin(), column->dh.end());
+    state.column_dp.insert(state.column_dp.end(), column->dp.begin(), column->dp.end());
   }
   return state;
 }
@@ -241,24 +239,23 @@ State IqnIls::save() const {
 Result<void> IqnIls::restore(const State& state) {
   const std::size_t m = state.column_step.size(), n = r_.size();
   if (state.column_dr.size() != m * n || state.column_dh.size() != m * n ||
-      state.column_dp.size() != m * passenger_ || state.column_gram.size() != m * (m + 1) / 2)
+      state.column_dp.size() != m * passenger_)
     return config_error(
-        "accelerator state: {} columns of sizes {} + {} + {} with {} products do not fit {} + "
-        "{} + {} values a column",
-        m, state.column_dr.size(), state.column_dh.size(), state.column_dp.size(), state.column_gram.size(),
-        n, n, passenger_);
+        "accelerator state: {} columns of sizes {} + {} + {} do not fit {} + {} + {} values a column", m,
+        state.column_dr.size(), state.column_dh.size(), state.column_dp.size(), n, n, passenger_);
   columns_.clear();
-  auto gram = state.column_gram.begin();
-  for (std::size_t k = 0; k < m; ++k) {
+  for (std::size_t k = m; k-- > 0;) {
     const auto part = [k](const std::vector<double>& all, std::size_t size) {
       const auto first = all.begin() + static_cast<std::ptrdiff_t>(k * size);
       return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(size));
     };
-    const auto end = gram + static_cast<std::ptrdiff_t>(m - k);
-    Column column{state.column_step[k], part(state.column_dr, n), part(state.column_dh, n),
-                  part(state.column_dp, passenger_), std::vector<double>(gram, end)};
-    columns_.push_back(std::make_shared<const Column>(std::move(column)));
-    gram = end;
+    Column column{state.column_step[k],
+                  part(state.column_dr, n),
+                  part(state.column_dh, n),
+                  part(state.column_dp, passenger_),
+                  {}};
+    column.gram = with_own(column.dr, column.dr, std::move(products({column.dr})[0]));
+    columns_.push_front(std::make_shared<const Column>(std::move(column)));
   }
   step_ = state.step;
   has_last_ = false;

@@ -161,6 +161,8 @@ void FieldProjection::spread(const double* solution, const Transfer& field, std:
 Result<void> FieldProjection::apply(std::span<const Transfer> fields, int components) {
   const auto c = static_cast<std::size_t>(components);
   assert(components >= 1 && components <= 3);
+  for ([[maybe_unused]] const Transfer& field : fields)
+    assert(field.structure.size() == structure_nodes_ * c);
   if (matching()) {
     for (const Transfer& field : fields) copy(field, c);
     return {};

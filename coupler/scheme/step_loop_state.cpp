@@ -42,7 +42,6 @@ void put_accelerator(io::State& state, const std::string& name, const accelerati
   put(state, name + ".column_dr", a.column_dr);
   put(state, name + ".column_dh", a.column_dh);
   put(state, name + ".column_dp", a.column_dp);
-  put(state, name + ".column_gram", a.column_gram);
 }
 
 acceleration::State take_accelerator(Taker& from, const std::string& name) {
@@ -54,7 +53,6 @@ acceleration::State take_accelerator(Taker& from, const std::string& name) {
   a.column_dr = from.vector(name + ".column_dr");
   a.column_dh = from.vector(name + ".column_dh");
   a.column_dp = from.vector(name + ".column_dp");
-  a.column_gram = from.vector(name + ".column_gram");
   return a;
 }
 

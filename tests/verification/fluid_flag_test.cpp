@@ -99,7 +99,7 @@ TEST(Flag, Cfd3) {
   FlowCase third(s, mirrored_flag_in_channel(fine));
   start_from(second, third);
   verify_shedding("fluid/cfd3_30k", third, 0.005, 1.25, 1);
-  verify_shedding("fluid/cfd3_30k_half_step", third, 0.0025, 0.75, 2);
+  verify_shedding("fluid/cfd3_30k_half_step", third, 0.0025, 0.75, 1);
 }
 #else
 TEST(Flag, Cfd1) {
