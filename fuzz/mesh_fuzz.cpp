@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Mesh files. What is read holds together: every node of an element is there. (Gmsh's own reader is not
-// instrumented, and takes scripts for what is no .msh file: those read_msh refuses.)
+// Mesh files. What is read holds together: every node of an element is there.
 #include <cstdlib>
 
 #include "common/mesh/msh.hpp"
