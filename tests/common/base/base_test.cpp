@@ -65,7 +65,8 @@ TEST(Crc32, IsThatOfItsParts) {
     return crc;
   };
   for (const std::size_t start : {0, 1, 13})
-    for (const std::size_t size : {63, 64, 255, 256, 257, 319, 320, 1000, 4096, 4987}) {
+    for (const std::size_t size :
+         {63, 64, 255, 256, 257, 319, 320, 1000, 1023, 1024, 1279, 1280, 4096, 4987}) {
       const auto part = std::span<const std::byte>(message).subspan(start, size);
       const std::uint32_t expected = by_bytes(part);
       EXPECT_EQ(crc32(part), expected) << start << ", " << size;
