@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <type_traits>
 
 #include "fluid_solver/kernel_isa.hpp"
@@ -32,9 +33,28 @@ template <class Real>
 [[nodiscard]] inline Real square_root(Real a) noexcept {
   return lanewise(a, [](double v) noexcept { return std::sqrt(v); });
 }
+/// Cube root of positive numbers.
 template <class Real>
 [[nodiscard]] inline Real cube_root(Real a) noexcept {
-  return lanewise(a, [](double v) noexcept { return std::cbrt(v); });
+  if constexpr (std::is_same_v<Real, Batch>) {
+    // A third of the exponent, as integers, is within 6 %; Halley's iteration cubes the error.
+    using Bits = std::int32_t __attribute__((vector_size(32)));
+    using Floats = float __attribute__((vector_size(32)));
+    Floats y;
+    const Floats narrow = __builtin_convertvector(a, Floats);
+    Bits bits;
+    __builtin_memcpy(&bits, &narrow, sizeof(bits));
+    bits = bits / 3 + 0x2a5137a0;
+    __builtin_memcpy(&y, &bits, sizeof(y));
+    Batch root = __builtin_convertvector(y, Batch);
+    for (int k = 0; k < 3; ++k) {
+      const Batch cube = root * root * root;
+      root *= (cube + 2.0 * a) / (2.0 * cube + a);
+    }
+    return root;
+  } else {
+    return lanewise(a, [](double v) noexcept { return std::cbrt(v); });
+  }
 }
 template <class Real>
 [[nodiscard]] inline Real absolute(Real a) noexcept {

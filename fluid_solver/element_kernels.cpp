@@ -53,20 +53,29 @@ inline void transpose(Floats r[8]) noexcept {
 }
 
 /// Adds block (a, b) of eight elements to the matrix: eight scalars of a block at a time, transposed so that
-/// those of an element lie side by side.
+/// those of an element lie side by side. Where an element comes first its values replace the former ones.
+/// Meanwhile the blocks of the next eight are brought near.
 template <int dim, int n>
 struct MatrixSink {
   const std::int32_t* entry;
-  const double* scale; ///< {n * n}
+  const std::int32_t* next; ///< entry of the next eight elements
+  const double* scale;      ///< {n * n}
   la::BlockMatrix<n>* matrix;
 
   void operator()(int a, int b, const Batch* block) const noexcept {
     constexpr int nodes = dim + 1;
+    constexpr int line = 16; // floats
+    alignas(64) static constexpr float zero[n * n] = {};
     alignas(64) float nowhere[n * n]; // for rows of other ranks
+    const float* from[batch_size];
     float* to[batch_size];
     for (int l = 0; l < batch_size; ++l) {
-      const std::int32_t position = entry[nodes * nodes * l + nodes * a + b];
-      to[l] = position < 0 ? nowhere : matrix->block(position);
+      const int pair = nodes * nodes * l + nodes * a + b;
+      const std::int32_t place = entry[pair];
+      to[l] = place < 0 ? nowhere : matrix->block(place >> 1);
+      from[l] = (place & 1) != 0 ? zero : to[l];
+      const float* soon = matrix->block(std::max(next[pair], 0) >> 1);
+      for (int i = 0; i < n * n; i += line) __builtin_prefetch(soon + i, 1);
     }
     for (int q = 0; q < n * n; q += 8) {
       Floats rows[8];
@@ -74,7 +83,7 @@ struct MatrixSink {
       transpose(rows);
       for (int l = 0; l < batch_size; ++l) {
         Floats sum;
-        __builtin_memcpy(&sum, to[l] + q, sizeof(sum));
+        __builtin_memcpy(&sum, from[l] + q, sizeof(sum));
         sum += rows[l];
         __builtin_memcpy(to[l] + q, &sum, sizeof(sum));
       }
@@ -140,11 +149,13 @@ void add_all(const LocalElements& elements, const StepData& data, const FlowPara
     typename Kernel::Values in;
     load<dim>(data, elements.node.data() + nodes * first, in);
     Batch r[nodes][n];
-    if (jacobian != nullptr)
-      Kernel::template evaluate<true>(
-          in, data, rule, r,
-          MatrixSink<dim, n>{elements.entry.data() + nodes * nodes * first, block_scale, jacobian});
-    else
+    if (jacobian != nullptr) {
+      const auto entries = nodes * nodes * batch_size;
+      const std::int32_t* entry = elements.entry.data() + nodes * nodes * first;
+      const std::int32_t* next = k + 1 < elements.batches ? entry + entries : entry;
+      Kernel::template evaluate<true>(in, data, rule, r,
+                                      MatrixSink<dim, n>{entry, next, block_scale, jacobian});
+    } else
       Kernel::template evaluate<false>(in, data, rule, r, [](int, int, const Batch*) noexcept {});
     scatter<dim, n>(elements.row.data() + nodes * first, r, residual);
   }

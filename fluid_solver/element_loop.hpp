@@ -23,12 +23,17 @@ struct LocalElements {
   std::vector<std::int32_t>
       node;                      ///< {batches, 8, m} nodes; the last batch is filled up with its last element
   std::vector<std::int32_t> row; ///< {batches, 8, m} own row, or -1
-  std::vector<std::int32_t> entry; ///< {batches, 8, m * m} position in the pattern, or -1
+  /// {batches, 8, m * m} twice the position in the pattern, plus one for the element whose block is
+  /// the first to be added there; or -1
+  std::vector<std::int32_t> entry;
+
+ private:
+  void mark_first(std::size_t positions);
 };
 
-/// Adds all element contributions to `residual` (own rows, {rows, unknowns}) and, unless null, to `jacobian`,
-/// whose scalar entry (i, j) of each block is multiplied by scale[i] scale[j]. unknowns = 4: semi-discrete,
-/// 8: DSD/SST.
+/// Adds all element contributions to `residual` (own rows, {rows, unknowns}) and, unless null, makes
+/// `jacobian` their sum, whatever it held before; scalar entry (i, j) of each block is multiplied by
+/// scale[i] scale[j]. unknowns = 4: semi-discrete, 8: DSD/SST.
 template <int unknowns>
 void add_elements(const LocalElements& elements, const StepData& data, const FlowParameters& parameters,
                   std::span<const double, unknowns> scale, std::span<double> residual,

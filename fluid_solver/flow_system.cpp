@@ -133,7 +133,6 @@ class BlockFlowSystem final : public FlowSystem {
 
   [[nodiscard]] Result<double> evaluate(const StepData& data, bool jacobian) override {
     std::fill(residual_.begin(), residual_.end(), 0.0);
-    if (jacobian) matrix_.set_zero();
     const std::span<const double, n> scale(scale_);
     add_elements<n>(elements_, data, parameters_, scale, residual_, jacobian ? &matrix_ : nullptr);
     open_.template add<n>(data, scale, residual_, jacobian ? &matrix_ : nullptr);

@@ -13,7 +13,7 @@ LocalElements::LocalElements(const FluidMesh& mesh, const la::RowRange& own, con
       node.push_back(a);
       row.push_back(active && own.has(a) ? a - own.first : -1);
       for (const std::int32_t b : nodes)
-        entry.push_back(row.back() < 0 ? -1 : pattern.find(row.back(), pattern.local(own, b)));
+        entry.push_back(row.back() < 0 ? -1 : 2 * pattern.find(row.back(), pattern.local(own, b)));
     }
   };
   std::span<const std::int32_t> last;
@@ -27,6 +27,22 @@ LocalElements::LocalElements(const FluidMesh& mesh, const la::RowRange& own, con
   }
   for (; count % batch_size != 0; ++count) append(last, false);
   batches = count / batch_size;
+  mark_first(pattern.column.size());
+}
+
+void LocalElements::mark_first(std::size_t positions) {
+  const auto nodes = static_cast<std::size_t>(dimension) + 1;
+  const std::size_t pairs = nodes * nodes;
+  std::vector<char> reached(positions, 0);
+  for (std::size_t batch = 0; batch < entry.size(); batch += batch_size * pairs)
+    for (std::size_t pair = 0; pair < pairs; ++pair) // in the order in which blocks are added
+      for (std::size_t l = 0; l < batch_size; ++l) {
+        std::int32_t& place = entry[batch + pairs * l + pair];
+        if (place < 0) continue;
+        char& before = reached[static_cast<std::size_t>(place / 2)];
+        if (before == 0) ++place;
+        before = 1;
+      }
 }
 
 } // namespace drogue::fluid

@@ -4,6 +4,7 @@
 // on one rank and two, growth with the mesh, the Jacobian beside that of dolfinx. Prints rows as Google
 // Benchmark's csv does. Starts itself again, under mpiexec for two ranks.
 //   fluid_flow_bench [--quick] [ignored options...]
+//   fluid_flow_bench --kernels MESH     the kernels alone, on a mesh from a file
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -246,6 +247,14 @@ void all(const char* self, bool quick) {
   std::filesystem::remove_all(folder);
 }
 
+void kernels_on(const std::string& file) {
+  const FluidMesh mesh = load(file);
+  row("memory_bandwidth", memory_bandwidth() / 1e6, "MB");
+  row("arithmetic_peak", arithmetic_peak() / 1e6, "count");
+  (void)kernel_rows<4>(mesh, "semi_discrete");
+  (void)kernel_rows<8>(mesh, "dsd_sst");
+}
+
 } // namespace
 } // namespace drogue::bench
 
@@ -255,6 +264,10 @@ int main(int argc, char** argv) {
     const auto session = drogue::la::Session::start();
     if (!session) return 1;
     drogue::bench::on_ranks(argv[2], argv[3], std::strcmp(argv[4], "space_time") == 0);
+    return 0;
+  }
+  if (argc == 3 && std::strcmp(argv[1], "--kernels") == 0) {
+    drogue::bench::kernels_on(argv[2]);
     return 0;
   }
   drogue::bench::all(argv[0], argc > 1 && std::strcmp(argv[1], "--quick") == 0);

@@ -101,7 +101,6 @@ double kernel_rows(const FluidMesh& mesh, const std::string& name) {
   la::FourthRows<n> pressure(pattern);
   const auto assemble = [&](la::BlockMatrix<n>* matrix) {
     std::fill(residual.begin(), residual.end(), 0.0);
-    if (matrix != nullptr) matrix->set_zero();
     add_elements<n>(elements, data, parameters, std::span<const double, n>(scale.data(), n), residual,
                     matrix);
   };

@@ -28,7 +28,6 @@ class BlockMatrix {
   [[nodiscard]] const float* block(std::int32_t position) const {
     return values_.data() + static_cast<std::size_t>(position) * entries;
   }
-  void set_zero() { values_.set_zero(); }
   /// Makes scalar row `component` of block row `row` that of the identity.
   void set_identity_row(std::int32_t row, int component);
 

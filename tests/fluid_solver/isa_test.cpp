@@ -52,6 +52,7 @@ Values values(const Problem& p, ElementKernels::Add<n> add, const la::BlockKerne
   Values v{std::vector<double>(rows), std::vector<double>(rows), std::vector<double>(rows)};
   const std::vector<double> scale(static_cast<std::size_t>(n) * n, 1.0);
   la::BlockMatrix<n> A(p.pattern);
+  std::fill_n(A.block(0), p.pattern.column.size() * n * n, NAN); // what it held before does not matter
   add(p.elements, p.data, parameters, scale.data(), v.residual.data(), &A);
   const la::BlockRows r{p.pattern.rows, p.pattern.row_start.data(), p.pattern.column.data(),
                         p.pattern.diagonal.data()};
