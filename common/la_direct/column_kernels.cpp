@@ -22,77 +22,83 @@ Row<lanes>& row_of(double* y, std::int32_t i) {
   return *reinterpret_cast<Row<lanes>*>(y + static_cast<std::ptrdiff_t>(i) * lanes);
 }
 
-/// Columns k to k + width: pointers to their diagonals, and the rows that all of them have.
-template <int width>
-struct Together {
-  const double* diagonal[width];
-  const std::int32_t* row;
-  std::int32_t rows;
-  Together(const FactorColumns& f, std::int32_t k) {
-    for (int i = 0; i < width; ++i) diagonal[i] = f.L + f.first[k + i];
-    row = f.row + f.first[k + width - 1] + 1;
-    rows = f.count[k + width - 1] - 1;
-  }
-  /// Entry of column i in the common row r.
-  [[nodiscard]] double below(int i, std::int32_t r) const { return diagonal[i][width - i + r]; }
+/// Values of the block on the diagonal of a group.
+constexpr int triangle(int width) {
+  return width * (width + 1) / 2;
+}
+
+/// A group of columns, from k on.
+struct Group {
+  std::int32_t k = 0;
+  const double* value = nullptr;
+  const std::int32_t *row = nullptr, *end = nullptr;
 };
 
 template <int lanes, int width>
-void forward(const FactorColumns& f, std::int32_t k, double* y) noexcept {
-  const Together<width> t(f, k);
+void forward(const Group& g, double* y) noexcept {
   Row<lanes> z[width];
-  for (int i = 0; i < width; ++i) z[i] = row_of<lanes>(y, k + i);
+  for (int i = 0; i < width; ++i) z[i] = row_of<lanes>(y, g.k + i);
+  const double* L = g.value;
   for (int i = 0; i < width; ++i) {
-    z[i] /= t.diagonal[i][0];
-    for (int j = i + 1; j < width; ++j) z[j] -= t.diagonal[i][j - i] * z[i];
-    row_of<lanes>(y, k + i) = z[i];
+    z[i] *= *L++;
+    for (int j = i + 1; j < width; ++j) z[j] -= *L++ * z[i];
+    row_of<lanes>(y, g.k + i) = z[i];
   }
-  for (std::int32_t r = 0; r < t.rows; ++r) {
-    Row<lanes> sum = t.below(0, r) * z[0];
-    for (int i = 1; i < width; ++i) sum += t.below(i, r) * z[i];
-    row_of<lanes>(y, t.row[r]) -= sum;
+  for (const std::int32_t* row = g.row; row < g.end; ++row, L += width) {
+    Row<lanes> sum = L[0] * z[0];
+    for (int i = 1; i < width; ++i) sum += L[i] * z[i];
+    row_of<lanes>(y, *row) -= sum;
   }
 }
 
 template <int lanes, int width>
-void backward(const FactorColumns& f, std::int32_t k, double* y) noexcept {
-  const Together<width> t(f, k);
+void backward(const Group& g, double* y) noexcept {
   Row<lanes> z[width];
-  for (int i = 0; i < width; ++i) z[i] = row_of<lanes>(y, k + i);
-  for (std::int32_t r = 0; r < t.rows; ++r) {
-    const Row<lanes> value = row_of<lanes>(y, t.row[r]);
-    for (int i = 0; i < width; ++i) z[i] -= t.below(i, r) * value;
+  for (int i = 0; i < width; ++i) z[i] = row_of<lanes>(y, g.k + i);
+  const double* L = g.value + triangle(width);
+  for (const std::int32_t* row = g.row; row < g.end; ++row, L += width) {
+    const Row<lanes> value = row_of<lanes>(y, *row);
+    for (int i = 0; i < width; ++i) z[i] -= L[i] * value;
   }
+  L = g.value + triangle(width);
   for (int i = width - 1; i >= 0; --i) {
-    for (int j = i + 1; j < width; ++j) z[i] -= t.diagonal[i][j - i] * z[j];
-    z[i] /= t.diagonal[i][0];
-    row_of<lanes>(y, k + i) = z[i];
+    L -= width - i;
+    for (int j = i + 1; j < width; ++j) z[i] -= L[j - i] * z[j];
+    z[i] *= L[0];
+    row_of<lanes>(y, g.k + i) = z[i];
   }
 }
 
 /// Calls visit(std::integral_constant<int, width>{}), so that kernels know the width when compiled.
-template <class Visit>
-void with_width(std::int32_t width, Visit&& visit) {
-  static_assert(most_columns_together == 4);
-  switch (width) {
-  case 1:
-    return visit(std::integral_constant<int, 1>{});
-  case 2:
-    return visit(std::integral_constant<int, 2>{});
-  case 3:
-    return visit(std::integral_constant<int, 3>{});
-  default:
-    return visit(std::integral_constant<int, 4>{});
+template <class Visit, int width = 1>
+void with_width(std::int32_t wanted, Visit&& visit) {
+  if constexpr (width < most_columns_together) {
+    if (wanted != width) return with_width<Visit, width + 1>(wanted, static_cast<Visit&&>(visit));
   }
+  visit(std::integral_constant<int, width>{});
 }
 
 template <int lanes>
-void solve(const FactorColumns& f, double* y) noexcept {
-  const auto width = [&](std::int32_t g) { return f.group[g + 1] - f.group[g]; };
-  for (std::int32_t g = 0; g < f.groups; ++g)
-    with_width(width(g), [&](auto w) { forward<lanes, w>(f, f.group[g], y); });
-  for (std::int32_t g = f.groups - 1; g >= 0; --g)
-    with_width(width(g), [&](auto w) { backward<lanes, w>(f, f.group[g], y); });
+void solve(const GroupedFactor& f, double* y) noexcept {
+  const auto groups = static_cast<std::int32_t>(f.group.size()) - 1;
+  const auto width = [&f](std::int32_t g) {
+    return f.group[static_cast<std::size_t>(g) + 1] - f.group[static_cast<std::size_t>(g)];
+  };
+  const auto group_at = [&f](std::int32_t g, const double* value) {
+    const auto i = static_cast<std::size_t>(g);
+    return Group{f.group[i], value, f.row.data() + f.first_row[i], f.row.data() + f.first_row[i + 1]};
+  };
+  const auto size = [&](std::int32_t g) {
+    const auto i = static_cast<std::size_t>(g);
+    return triangle(width(g)) + static_cast<std::ptrdiff_t>(width(g)) * (f.first_row[i + 1] - f.first_row[i]);
+  };
+  const double* value = f.value.data();
+  for (std::int32_t g = 0; g < groups; value += size(g), ++g)
+    with_width(width(g), [&](auto w) { forward<lanes, w>(group_at(g, value), y); });
+  for (std::int32_t g = groups - 1; g >= 0; --g) {
+    value -= size(g);
+    with_width(width(g), [&](auto w) { backward<lanes, w>(group_at(g, value), y); });
+  }
 }
 
 } // namespace

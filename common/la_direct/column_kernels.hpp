@@ -15,20 +15,26 @@ struct FactorColumns {
   const std::int32_t* count = nullptr; ///< its entries
   const std::int32_t* row = nullptr;
   const double* L = nullptr;
-  /// {groups + 1}: where the groups of columns that are done together start.
-  const std::int32_t* group = nullptr;
-  std::int32_t groups = 0;
 };
 
 /// Columns that are done together have the same rows below their last diagonal, and all between.
-inline constexpr int most_columns_together = 4;
-/// FactorColumns::group, from the rest of it.
-[[nodiscard]] std::vector<std::int32_t> columns_together(const FactorColumns& factor);
+inline constexpr int most_columns_together = 8;
+
+/// L as a solution reads it, from the first value to the last and back: groups of columns that are done
+/// together, each with the block on its diagonal, column by column, the diagonal inverted, and then its
+/// common rows, row by row.
+struct GroupedFactor {
+  std::vector<std::int32_t> group{0};     ///< {groups + 1}: their first columns
+  std::vector<std::int32_t> first_row{0}; ///< {groups + 1}: of `row`
+  std::vector<std::int32_t> row;
+  std::vector<double> value;
+};
+[[nodiscard]] GroupedFactor grouped(const FactorColumns& factor);
 
 struct ColumnKernels {
   /// y = (L L^T)^-1 y, y {n, 4} or {n, 8}.
-  void (*solve_4)(const FactorColumns& factor, double* y) noexcept;
-  void (*solve_8)(const FactorColumns& factor, double* y) noexcept;
+  void (*solve_4)(const GroupedFactor& factor, double* y) noexcept;
+  void (*solve_8)(const GroupedFactor& factor, double* y) noexcept;
 };
 
 namespace baseline {

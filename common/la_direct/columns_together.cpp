@@ -6,6 +6,9 @@
 
 namespace drogue::la {
 
+namespace {
+
+/// Where the groups start, and the end of the last.
 std::vector<std::int32_t> columns_together(const FactorColumns& f) {
   std::vector<std::int32_t> start;
   const auto goes_on = [&](std::int32_t k) { // the rows below the diagonal are those of the next column
@@ -21,6 +24,31 @@ std::vector<std::int32_t> columns_together(const FactorColumns& f) {
   }
   start.push_back(f.n);
   return start;
+}
+
+} // namespace
+
+GroupedFactor grouped(const FactorColumns& f) {
+  GroupedFactor made;
+  made.group = columns_together(f);
+  std::size_t entries = 0;
+  for (std::int32_t k = 0; k < f.n; ++k) entries += static_cast<std::size_t>(f.count[k]);
+  made.value.reserve(entries);
+  for (std::size_t g = 0; g + 1 < made.group.size(); ++g) {
+    const std::int32_t start = made.group[g], end = made.group[g + 1], last = end - 1;
+    for (std::int32_t k = start; k < end; ++k) {
+      const double* column = f.L + f.first[k];
+      made.value.push_back(1 / column[0]);
+      made.value.insert(made.value.end(), column + 1, column + (end - k));
+    }
+    const std::int32_t rows = f.count[last] - 1;
+    const std::int32_t* row = f.row + f.first[last] + 1;
+    made.row.insert(made.row.end(), row, row + rows);
+    made.first_row.push_back(static_cast<std::int32_t>(made.row.size()));
+    for (std::int32_t r = 0; r < rows; ++r)
+      for (std::int32_t k = start; k < end; ++k) made.value.push_back(f.L[f.first[k] + (end - k) + r]);
+  }
+  return made;
 }
 
 const ColumnKernels& column_kernels() {

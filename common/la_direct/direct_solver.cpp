@@ -10,6 +10,7 @@
 #include <cholmod.h>
 #include <umfpack.h>
 
+#include "common/base/cache_lines.hpp"
 #include "common/la_direct/column_kernels.hpp"
 
 extern "C" {
@@ -60,8 +61,10 @@ struct CholeskySolver::State {
   cholmod_factor* factor = nullptr;
   cholmod_dense *solution = nullptr, *work1 = nullptr, *work2 = nullptr; // kept: solves allocate once
   int n = 0;
-  std::vector<double> interleaved;    // of solve_by_columns
-  std::vector<std::int32_t> together; // columns_together
+  // Of Use::many_solutions, in the place of CHOLMOD's factor.
+  GroupedFactor grouped_factor;
+  std::vector<int> order;
+  CacheLines<double> interleaved; // of solve_by_columns
 
   explicit State(Use use) {
     const bool solutions = use == Use::many_solutions;
@@ -86,15 +89,10 @@ struct CholeskySolver::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   void solve_by_columns(const double* b, double* x, int columns);
-  [[nodiscard]] FactorColumns factor_columns() const {
-    return {n,
-            static_cast<int*>(factor->p),
-            static_cast<int*>(factor->nz),
-            static_cast<int*>(factor->i),
-            static_cast<double*>(factor->x),
-            together.data(),
-            static_cast<std::int32_t>(together.size()) - 1};
+  void solve_rows(double* y, int lanes) const noexcept {
+    (lanes == 4 ? column_kernels().solve_4 : column_kernels().solve_8)(grouped_factor, y);
   }
+  void group_columns();
   void clear() {
     if (factor) cholmod_free_factor(&factor, &common);
     for (cholmod_dense** dense : {&solution, &work1, &work2}) cholmod_free_dense(dense, &common);
@@ -148,8 +146,17 @@ Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
   if (s.common.status < 0)
     return internal_error("CHOLMOD cannot factor the matrix (status {})", s.common.status);
   if (s.factor->minor != s.factor->n) return false;
-  if (!s.factor->is_super) s.together = columns_together(s.factor_columns());
+  if (!s.factor->is_super) s.group_columns();
   return true;
+}
+
+/// Copies L into groups of columns, and gives CHOLMOD's back.
+void CholeskySolver::State::group_columns() {
+  grouped_factor = grouped({n, static_cast<int*>(factor->p), static_cast<int*>(factor->nz),
+                            static_cast<int*>(factor->i), static_cast<double*>(factor->x)});
+  const int* permutation = static_cast<int*>(factor->Perm);
+  order.assign(permutation, permutation + n);
+  clear();
 }
 
 /// L L^T x = b for up to eight right-hand sides at once, side by side in memory, by the columns of L: half
@@ -157,14 +164,13 @@ Result<bool> CholeskySolver::factor(const SparseMatrix& A) {
 void CholeskySolver::State::solve_by_columns(const double* b, double* x, int columns) {
   const auto size = static_cast<std::size_t>(n);
   const std::size_t lanes = columns > 4 ? 8 : 4;
-  const int* order = static_cast<int*>(factor->Perm);
   interleaved.assign(lanes * size, 0.0);
   double* y = interleaved.data();
   for (std::size_t k = 0; k < size; ++k)
     for (int c = 0; c < columns; ++c)
       y[lanes * k + static_cast<std::size_t>(c)] =
           b[static_cast<std::size_t>(c) * size + static_cast<std::size_t>(order[k])];
-  (lanes == 4 ? column_kernels().solve_4 : column_kernels().solve_8)(factor_columns(), y);
+  solve_rows(y, static_cast<int>(lanes));
   for (std::size_t k = 0; k < size; ++k)
     for (int c = 0; c < columns; ++c)
       x[static_cast<std::size_t>(c) * size + static_cast<std::size_t>(order[k])] =
@@ -173,9 +179,9 @@ void CholeskySolver::State::solve_by_columns(const double* b, double* x, int col
 
 Result<void> CholeskySolver::solve(std::span<const double> b, std::span<double> x, int columns) {
   State& s = *state_;
-  assert(s.factor && b.size() == x.size() &&
+  assert((s.factor || !s.order.empty()) && b.size() == x.size() &&
          b.size() == static_cast<std::size_t>(s.n) * static_cast<std::size_t>(columns));
-  if (!s.factor->is_super) {
+  if (!s.factor) {
     for (int c = 0; c < columns; c += 8) {
       const auto start = static_cast<std::size_t>(c) * static_cast<std::size_t>(s.n);
       s.solve_by_columns(b.data() + start, x.data() + start, std::min(8, columns - c));
@@ -195,6 +201,17 @@ Result<void> CholeskySolver::solve(std::span<const double> b, std::span<double> 
     return internal_error("CHOLMOD cannot solve (status {})", s.common.status);
   std::memcpy(x.data(), s.solution->x, x.size_bytes());
   return {};
+}
+
+std::span<const int> CholeskySolver::order() const {
+  return state_->order;
+}
+
+void CholeskySolver::solve_rows(std::span<double> y, int lanes) noexcept {
+  const State& s = *state_;
+  assert(!s.order.empty() && (lanes == 4 || lanes == 8) &&
+         y.size() == static_cast<std::size_t>(s.n) * static_cast<std::size_t>(lanes));
+  s.solve_rows(y.data(), lanes);
 }
 
 struct LuSolver::State {

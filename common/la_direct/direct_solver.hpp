@@ -19,7 +19,7 @@ using SparseMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 void use_one_blas_thread();
 
 /// CHOLMOD's L L^T of a symmetric positive definite matrix. The symbolic analysis is done once for a pattern
-/// and reused.
+/// and reused, with Use::many_factors.
 class CholeskySolver {
  public:
   enum class Use {
@@ -39,6 +39,13 @@ class CholeskySolver {
   /// Solves A x = b for `columns` right-hand sides, each contiguous; b and x may be the same memory.
   /// @pre the last factor() returned true
   [[nodiscard]] Result<void> solve(std::span<const double> b, std::span<double> x, int columns = 1);
+
+  /// The same without copies, after Use::many_solutions: the equation that each row of L stands for, {n}, ...
+  [[nodiscard]] std::span<const int> order() const;
+  /// ... and y = (L L^T)^-1 y in place, y {n, lanes} with the right-hand sides side by side and rows in
+  /// order().
+  /// @param lanes 4 or 8
+  void solve_rows(std::span<double> y, int lanes) noexcept;
 
  private:
   struct State;

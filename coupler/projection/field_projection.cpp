@@ -6,6 +6,7 @@
 #include <set>
 
 #include "coupler/projection/element_matrix.hpp"
+#include "coupler/projection/projection_kernels.hpp"
 
 namespace drogue::projection {
 namespace {
@@ -75,7 +76,7 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
   made.copy_from_ = matching_nodes(structure, fluid);
   if (made.matching()) return made;
 
-  made.merged_ = merge_coincident(fluid.material, same_place * extent(structure.material));
+  Merged merged = merge_coincident(fluid.material, same_place * extent(structure.material));
   // 1. The unknowns of each element, and its mass matrix by the same points as its products with the
   // structure.
   const auto& elements = quadrature.elements();
@@ -83,8 +84,7 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
   std::vector<std::size_t> first{0}, first_mass;
   std::vector<double> curved_mass, scale;
   for (const auto& element : elements) {
-    for (const std::int32_t i : element.nodes)
-      unknowns.push_back(made.merged_.group[static_cast<std::size_t>(i)]);
+    for (const std::int32_t i : element.nodes) unknowns.push_back(merged.group[static_cast<std::size_t>(i)]);
     first.push_back(unknowns.size());
     first_mass.push_back(curved_mass.size());
     const bool flat = element.rule < 0;
@@ -116,16 +116,26 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
                        element.nodes.size(),
                        scale[static_cast<std::size_t>(e)]};
   };
-  // 2. The sums.
-  const std::int32_t count = made.merged_.count;
-  const Adjacency around = elements_around(count, static_cast<std::int32_t>(elements.size()), rows);
-  made.B_ = sum_elements(count, static_cast<std::int32_t>(structure.node_count()), around, cross);
-  const la::SparseMatrix M_f = upper_triangle(sum_elements(count, count, around, mass, true));
+  // 2. M_f and its factor, in whose order the unknowns then are.
+  const auto elements_of = [&] {
+    return elements_around(merged.count, static_cast<std::int32_t>(elements.size()), rows);
+  };
+  const la::SparseMatrix M_f =
+      upper_triangle(sum_elements(merged.count, merged.count, elements_of(), mass, true));
   auto factored = made.M_.factor(M_f);
   if (!factored) return factored.error();
   if (!*factored)
     return config_error("the mass matrix of the {} surface is singular: raise projection.quadrature_order",
                         fluid.name);
+  std::vector<std::int32_t> place(static_cast<std::size_t>(merged.count));
+  for (std::int32_t row = 0; const int equation : made.M_.order())
+    place[static_cast<std::size_t>(equation)] = row++;
+  for (std::vector<std::int32_t>* numbers : {&merged.group, &unknowns})
+    for (std::int32_t& i : *numbers) i = place[static_cast<std::size_t>(i)];
+  made.unknown_ = std::move(merged.group);
+  // 3. B.
+  made.B_ =
+      sum_elements(merged.count, static_cast<std::int32_t>(structure.node_count()), elements_of(), cross);
   return made;
 }
 
@@ -135,27 +145,26 @@ void FieldProjection::copy(const Transfer& field, std::size_t c) const {
       field.fluid[i * c + k] = field.structure[static_cast<std::size_t>(copy_from_[i]) * c + k];
 }
 
-/// {components, unknowns}, relative to the first node: rounding is that of the differences, and none is left
-/// of constants.
-void FieldProjection::multiply(const Transfer& field, std::size_t c, double* product) const {
-  const auto n = static_cast<std::size_t>(merged_.count);
-  const int* first = B_.outerIndexPtr();
-  for (std::size_t a = 0; a < n; ++a) {
-    double sum[3] = {0, 0, 0};
-    for (int j = first[a]; j < first[a + 1]; ++j) {
-      const double* d = field.structure.data() + static_cast<std::size_t>(B_.innerIndexPtr()[j]) * c;
-      for (std::size_t k = 0; k < c; ++k) sum[k] += B_.valuePtr()[j] * (d[k] - field.structure[k]);
-    }
-    for (std::size_t k = 0; k < c; ++k) product[k * n + a] = sum[k];
-  }
-}
-
-void FieldProjection::spread(const double* solution, const Transfer& field, std::size_t c) const {
-  const auto n = static_cast<std::size_t>(merged_.count);
-  for (std::size_t i = 0; i < merged_.group.size(); ++i)
-    for (std::size_t k = 0; k < c; ++k)
-      field.fluid[i * c + k] =
-          field.structure[k] + solution[k * n + static_cast<std::size_t>(merged_.group[i])];
+/// One or two fields, four values of a row each. They are taken relative to the first node: rounding is that
+/// of the differences, and none is left of constants.
+void FieldProjection::project(std::span<const Transfer> fields, std::size_t c) {
+  const std::size_t lanes = fields.size() == 1 ? 4 : 8;
+  const auto rows = static_cast<std::size_t>(B_.rows());
+  source_.assign(structure_nodes_ * lanes, 0.0);
+  solution_.resize(rows * lanes);
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    for (std::size_t i = 0; i < structure_nodes_; ++i)
+      for (std::size_t k = 0; k < c; ++k)
+        source_[i * lanes + 4 * f + k] = fields[f].structure[i * c + k] - fields[f].structure[k];
+  const RowMatrix B{static_cast<std::int32_t>(rows), B_.outerIndexPtr(), B_.innerIndexPtr(), B_.valuePtr()};
+  const ProjectionKernels& kernels = projection_kernels();
+  (lanes == 4 ? kernels.multiply_4 : kernels.multiply_8)(B, source_.data(), solution_.data());
+  M_.solve_rows(solution_, static_cast<int>(lanes));
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    for (std::size_t i = 0; i < unknown_.size(); ++i)
+      for (std::size_t k = 0; k < c; ++k)
+        fields[f].fluid[i * c + k] =
+            fields[f].structure[k] + solution_[static_cast<std::size_t>(unknown_[i]) * lanes + 4 * f + k];
 }
 
 Result<void> FieldProjection::apply(std::span<const Transfer> fields, int components) {
@@ -167,11 +176,8 @@ Result<void> FieldProjection::apply(std::span<const Transfer> fields, int compon
     for (const Transfer& field : fields) copy(field, c);
     return {};
   }
-  const std::size_t size = c * static_cast<std::size_t>(merged_.count);
-  work_.resize(fields.size() * size);
-  for (std::size_t f = 0; f < fields.size(); ++f) multiply(fields[f], c, work_.data() + f * size);
-  DROGUE_TRY(M_.solve(work_, work_, components * static_cast<int>(fields.size())));
-  for (std::size_t f = 0; f < fields.size(); ++f) spread(work_.data() + f * size, fields[f], c);
+  for (std::size_t f = 0; f < fields.size(); f += 2)
+    project(fields.subspan(f, std::min<std::size_t>(2, fields.size() - f)), c);
   return {};
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/SparseCore>
 
+#include "common/base/cache_lines.hpp"
 #include "common/la_direct/direct_solver.hpp"
 #include "coupler/projection/interface_quadrature.hpp"
 
@@ -31,7 +32,7 @@ class FieldProjection {
     std::span<const double> structure;
     std::span<double> fluid;
   };
-  /// Several fields at once: the factor, which is larger than they are, is read once for two of them.
+  /// Several fields at once: B and the factor, which are larger than they are, are read once for two of them.
   /// @pre components <= 3
   [[nodiscard]] Result<void> apply(std::span<const Transfer> fields, int components = 3);
   [[nodiscard]] Result<void> apply(std::span<const double> structure, std::span<double> fluid,
@@ -44,15 +45,14 @@ class FieldProjection {
 
  private:
   void copy(const Transfer& field, std::size_t components) const;
-  void multiply(const Transfer& field, std::size_t components, double* product) const;
-  void spread(const double* solution, const Transfer& field, std::size_t components) const;
+  void project(std::span<const Transfer> fields, std::size_t components);
 
   std::size_t structure_nodes_ = 0;
   std::vector<std::int32_t> copy_from_; ///< {fluid nodes}: structure node; empty unless matching
-  Merged merged_;
+  std::vector<std::int32_t> unknown_;   ///< {fluid nodes}: row of the factor of M_f, and of B
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> B_;
   la::CholeskySolver M_{la::CholeskySolver::Use::many_solutions};
-  std::vector<double> work_; ///< {fields, components, unknowns}
+  CacheLines<double> source_, solution_; ///< {structure nodes or unknowns, four values a field}
 };
 
 } // namespace drogue::projection

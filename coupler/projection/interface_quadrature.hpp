@@ -90,6 +90,9 @@ class InterfaceQuadrature {
   /// int N_a(pi) N_b: on flat elements dxi deta over the parent domain, on curved ones dA over the reference
   /// area.
   [[nodiscard]] const double* block(const Element& e) const { return block_values_.data() + e.first_value; }
+  /// Of all elements, from which first_node and first_value count.
+  [[nodiscard]] const std::int32_t* all_block_nodes() const { return block_nodes_.data(); }
+  [[nodiscard]] const double* all_blocks() const { return block_values_.data(); }
 
   /// On curved elements: rule, and structure nodes around a point with their shape functions there.
   [[nodiscard]] const Rule& rule(const Element& e) const { return rules_[static_cast<std::size_t>(e.rule)]; }

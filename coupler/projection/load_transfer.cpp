@@ -9,25 +9,24 @@
 
 namespace drogue::projection {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using LineMatrix = Eigen::Matrix<double, 3, 2>;
 
 namespace {
 
-/// Nodal values of a flat element, one a column; the third column is zero on lines.
-Matrix3d gather_flat(std::span<const std::int32_t> nodes, std::span<const double> values) {
-  Matrix3d X = Matrix3d::Zero();
-  for (std::size_t a = 0; a < nodes.size(); ++a)
+/// Values in the two nodes of a linear line, one a column.
+LineMatrix gather_line(std::span<const std::int32_t> nodes, std::span<const double> values) {
+  LineMatrix X;
+  for (std::size_t a = 0; a < 2; ++a)
     X.col(static_cast<Eigen::Index>(a)) =
         Eigen::Map<const Vector3d>(values.data() + 3 * static_cast<std::size_t>(nodes[a]));
   return X;
 }
 
-/// area_vector() of a flat element.
-Vector3d flat_area(mesh::ElementKind kind, const Matrix3d& X) {
+/// area_vector() of a linear line.
+Vector3d line_area(const LineMatrix& X) {
   const Vector3d along = X.col(1) - X.col(0);
-  return kind == mesh::ElementKind::line2 ? Vector3d(0.5 * along.y(), -0.5 * along.x(), 0)
-                                          : Vector3d(along.cross(X.col(2) - X.col(0)));
+  return {0.5 * along.y(), -0.5 * along.x(), 0};
 }
 
 } // namespace
@@ -37,10 +36,25 @@ Result<LoadTransfer> LoadTransfer::create(InterfaceQuadrature quadrature, const 
   LoadTransfer made;
   made.structure_nodes_ = structure.node_count();
   made.quadrature_ = std::move(quadrature);
+  made.sort_elements();
   if (!recover_traction) return made;
   made.work_.resize(3 * made.structure_nodes_);
   DROGUE_TRY(made.factor_recovery(structure, fluid));
   return made;
+}
+
+void LoadTransfer::sort_elements() {
+  const auto& elements = quadrature_.elements();
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    const auto& element = elements[e];
+    if (element.kind != mesh::ElementKind::tri3) {
+      other_elements_.push_back(static_cast<std::int32_t>(e));
+      continue;
+    }
+    triangle_nodes_.insert(triangle_nodes_.end(), element.nodes.begin(), element.nodes.end());
+    triangle_rows_.push_back({element.first_node, element.first_value, element.node_count});
+  }
+  if (!triangle_rows_.empty()) triangle_forces_.resize(4 * structure_nodes_);
 }
 
 /// M_ab = int N_a N_b dA over what is wet, one layer of fluid; dry elements get their own mass matrix.
@@ -77,33 +91,27 @@ Result<void> LoadTransfer::factor_recovery(const Surface& structure, const Surfa
   return {};
 }
 
-void LoadTransfer::add_flat(const InterfaceQuadrature::Element& element, const Matrix3d& G,
+void LoadTransfer::add_line(const InterfaceQuadrature::Element& element, const LineMatrix& G,
                             std::span<double> forces) const noexcept {
-  const auto nodes = quadrature_.block_nodes(element);
-  const double *C = quadrature_.block(element), *g = G.data();
-  const std::size_t m = element.nodes.size();
-  for (std::size_t a = 0; a < nodes.size(); ++a, C += m) {
-    double* at = forces.data() + 3 * static_cast<std::size_t>(nodes[a]);
-    const double c0 = C[0], c1 = C[1], c2 = m == 3 ? C[2] : 0;
-    at[0] += c0 * g[0] + c1 * g[3] + c2 * g[6];
-    at[1] += c0 * g[1] + c1 * g[4] + c2 * g[7];
-    at[2] += c0 * g[2] + c1 * g[5] + c2 * g[8];
+  const double* C = quadrature_.block(element);
+  for (const std::int32_t node : quadrature_.block_nodes(element)) {
+    Eigen::Map<Vector3d>(forces.data() + 3 * static_cast<std::size_t>(node)) +=
+        C[0] * G.col(0) + C[1] * G.col(1);
+    C += 2;
   }
 }
 
-/// The sums of a load with the values G in the nodes of a flat element: its mass matrix is k (1 + delta_bc),
-/// with k = 1/24 on triangles and 1/3 on lines, where the third column is zero.
-void LoadTransfer::add_flat_sums(const InterfaceQuadrature::Element& element, const Matrix3d& G,
-                                 const Matrix3d& X, const FluidSide& fluid, LoadSums& sums) noexcept {
-  const std::size_t m = element.nodes.size();
-  const double k = m == 3 ? 1.0 / 24 : 1.0 / 3;
-  const Vector3d whole = G.col(0) + G.col(1) + G.col(2);
-  sums.force += k * static_cast<double>(m + 1) * whole;
-  sums.moment += k * ((X.col(0) + X.col(1) + X.col(2)).cross(whole) + X.col(0).cross(G.col(0)) +
-                      X.col(1).cross(G.col(1)) + X.col(2).cross(G.col(2)));
+/// The sums of a load with the values G in the nodes of a line: its mass matrix is (1 + delta_bc) / 3.
+void LoadTransfer::add_line_sums(const InterfaceQuadrature::Element& element, const LineMatrix& G,
+                                 const LineMatrix& X, const FluidSide& fluid, LoadSums& sums) noexcept {
+  constexpr double k = 1.0 / 3;
+  const Vector3d whole = G.col(0) + G.col(1);
+  sums.force += 3 * k * whole;
+  sums.moment +=
+      k * ((X.col(0) + X.col(1)).cross(whole) + X.col(0).cross(G.col(0)) + X.col(1).cross(G.col(1)));
   if (fluid.velocity.empty()) return;
-  const Matrix3d V = gather_flat(element.nodes, fluid.velocity);
-  sums.power += k * ((V.col(0) + V.col(1) + V.col(2)).dot(whole) + V.cwiseProduct(G).sum());
+  const LineMatrix V = gather_line(element.nodes, fluid.velocity);
+  sums.power += k * ((V.col(0) + V.col(1)).dot(whole) + V.cwiseProduct(G).sum());
 }
 
 void LoadTransfer::add_at_point(std::int64_t point, const Vector3d& f,
@@ -116,21 +124,38 @@ void LoadTransfer::add_at_point(std::int64_t point, const Vector3d& f,
   }
 }
 
-/// @param flat_load (nodes, area vector) -> t times its length in each node, one a column
+/// @param triangles kernel for the linear triangles, and the load it takes
+/// @param line_load on linear lines: (nodes, area vector) -> t times its length in each node, one a column
 /// @param load_on nodes -> (shape, area vector times weight -> force on the point's share of the surface)
-template <class FlatLoad, class LoadOn>
-LoadSums LoadTransfer::transfer(const FluidSide& fluid, std::span<double> forces, const FlatLoad& flat_load,
-                                const LoadOn& load_on) const noexcept {
+template <class LineLoad, class LoadOn>
+LoadSums LoadTransfer::transfer(const FluidSide& fluid, TriangleKernel triangles,
+                                std::span<const double> load, std::span<double> forces,
+                                const LineLoad& line_load, const LoadOn& load_on) noexcept {
   assert(forces.size() == 3 * structure_nodes_);
   std::fill(forces.begin(), forces.end(), 0.0);
   const bool moving = !fluid.velocity.empty();
   LoadSums sums;
-  for (const auto& element : quadrature_.elements()) {
+  if (!triangle_rows_.empty()) {
+    std::fill(triangle_forces_.begin(), triangle_forces_.end(), 0.0);
+    const FlatTriangles all{static_cast<std::int32_t>(triangle_rows_.size()), triangle_nodes_.data(),
+                            triangle_rows_.data(), quadrature_.all_block_nodes(), quadrature_.all_blocks()};
+    const FlatSums of_triangles =
+        triangles(all, {fluid.points.data(), moving ? fluid.velocity.data() : nullptr}, load.data(),
+                  triangle_forces_.data());
+    sums.force = Eigen::Map<const Vector3d>(of_triangles.force.data());
+    sums.moment = Eigen::Map<const Vector3d>(of_triangles.moment.data());
+    sums.power = of_triangles.power;
+    for (std::size_t i = 0; i < structure_nodes_; ++i)
+      std::copy_n(triangle_forces_.begin() + static_cast<std::ptrdiff_t>(4 * i), 3,
+                  forces.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  for (const std::int32_t e : other_elements_) {
+    const auto& element = quadrature_.elements()[static_cast<std::size_t>(e)];
     if (element.rule < 0) {
-      const Matrix3d X = gather_flat(element.nodes, fluid.points);
-      const Matrix3d G = flat_load(element.nodes, flat_area(element.kind, X));
-      add_flat_sums(element, G, X, fluid, sums);
-      add_flat(element, G, forces);
+      const LineMatrix X = gather_line(element.nodes, fluid.points);
+      const LineMatrix G = line_load(element.nodes, line_area(X));
+      add_line_sums(element, G, X, fluid, sums);
+      add_line(element, G, forces);
       continue;
     }
     const auto& rule = quadrature_.rule(element);
@@ -150,14 +175,15 @@ LoadSums LoadTransfer::transfer(const FluidSide& fluid, std::span<double> forces
 }
 
 LoadSums LoadTransfer::from_pressure(const FluidSide& fluid, std::span<const double> pressure,
-                                     std::span<double> forces) const noexcept {
-  const auto flat = [&](std::span<const std::int32_t> nodes, const Vector3d& area) {
-    Matrix3d G = Matrix3d::Zero();
-    for (std::size_t b = 0; b < nodes.size(); ++b)
+                                     std::span<double> forces) noexcept {
+  const auto line = [&](std::span<const std::int32_t> nodes, const Vector3d& area) {
+    LineMatrix G;
+    for (std::size_t b = 0; b < 2; ++b)
       G.col(static_cast<Eigen::Index>(b)) = pressure[static_cast<std::size_t>(nodes[b])] * area;
     return G;
   };
-  return transfer(fluid, forces, flat, [&](std::span<const std::int32_t> nodes) {
+  const auto triangles = projection_kernels().load_of_pressure;
+  return transfer(fluid, triangles, pressure, forces, line, [&](std::span<const std::int32_t> nodes) {
     std::array<double, fem::max_surface_nodes> p{};
     for (std::size_t b = 0; b < nodes.size(); ++b) p[b] = pressure[static_cast<std::size_t>(nodes[b])];
     return [p](const ElementShape& shape, const Vector3d& area) {
@@ -169,11 +195,12 @@ LoadSums LoadTransfer::from_pressure(const FluidSide& fluid, std::span<const dou
 }
 
 LoadSums LoadTransfer::from_traction(const FluidSide& fluid, std::span<const double> traction,
-                                     std::span<double> forces) const noexcept {
-  const auto flat = [&](std::span<const std::int32_t> nodes, const Vector3d& area) {
-    return Matrix3d(area.norm() * gather_flat(nodes, traction));
+                                     std::span<double> forces) noexcept {
+  const auto line = [&](std::span<const std::int32_t> nodes, const Vector3d& area) {
+    return LineMatrix(area.norm() * gather_line(nodes, traction));
   };
-  return transfer(fluid, forces, flat, [&](std::span<const std::int32_t> nodes) {
+  const auto triangles = projection_kernels().load_of_traction;
+  return transfer(fluid, triangles, traction, forces, line, [&](std::span<const std::int32_t> nodes) {
     return [t = gather(nodes, traction)](const ElementShape& shape, const Vector3d& area) {
       return Vector3d(area.norm() * combine(shape.N, shape.nodes, t));
     };

@@ -4,8 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "common/base/cache_lines.hpp"
 #include "common/la_direct/direct_solver.hpp"
 #include "coupler/projection/interface_quadrature.hpp"
+#include "coupler/projection/projection_kernels.hpp"
 
 namespace drogue::projection {
 
@@ -34,9 +36,10 @@ struct FluidSide {
 /// pushes the wall away from the fluid. (The fluid's own stress vector on that outward normal is -p n; the
 /// wall gets its reaction.)
 ///
-/// On flat fluid elements f_a = sum_b C_ab A t_b with A the element's current area and C_ab = int N_a(pi)
-/// N_b, which no motion changes: 18 flops for each structure node that an element meets. Curved elements are
-/// summed point by point. No heap; sums in a fixed order.
+/// On linear fluid elements f_a = sum_b C_ab A t_b with A the element's current area and C_ab = int N_a(pi)
+/// N_b, which no motion changes: 18 flops for each structure node that an element meets, on triangles with
+/// vectors (projection_kernels.hpp). Curved elements are summed point by point. No heap; sums in a fixed
+/// order.
 class LoadTransfer {
  public:
   /// Errors (ErrorKind::internal): CHOLMOD; (ErrorKind::config): recovery matrix singular.
@@ -46,10 +49,10 @@ class LoadTransfer {
   /// t = + p n.  @param pressure {fluid nodes}  @param forces {structure nodes, 3}, overwritten
   /// @return sums over the fluid surface
   LoadSums from_pressure(const FluidSide& fluid, std::span<const double> pressure,
-                         std::span<double> forces) const noexcept;
+                         std::span<double> forces) noexcept;
   /// @param traction {fluid nodes, 3}: force on the wall per current area
   LoadSums from_traction(const FluidSide& fluid, std::span<const double> traction,
-                         std::span<double> forces) const noexcept;
+                         std::span<double> forces) noexcept;
 
   /// Traction of which the forces are the work-equivalent: int N_a t dA = f_a, per reference area, least
   /// squares in the points of the fluid, so that a load that is a field of the structure's elements is
@@ -63,19 +66,27 @@ class LoadTransfer {
   [[nodiscard]] const InterfaceQuadrature& quadrature() const { return quadrature_; }
 
  private:
-  template <class FlatLoad, class LoadOn>
-  LoadSums transfer(const FluidSide& fluid, std::span<double> forces, const FlatLoad& flat_load,
-                    const LoadOn& load_on) const noexcept;
-  /// f_a += sum_b C_ab g_b, g_b the columns of G.
-  void add_flat(const InterfaceQuadrature::Element& element, const Eigen::Matrix3d& G,
+  using TriangleKernel = FlatSums (*)(const FlatTriangles&, const FlatFluid&, const double*,
+                                      double*) noexcept;
+  template <class LineLoad, class LoadOn>
+  LoadSums transfer(const FluidSide& fluid, TriangleKernel triangles, std::span<const double> load,
+                    std::span<double> forces, const LineLoad& line_load, const LoadOn& load_on) noexcept;
+  void sort_elements();
+  /// A linear line's f_a += sum_b C_ab g_b, g_b the columns of G.
+  void add_line(const InterfaceQuadrature::Element& element, const Eigen::Matrix<double, 3, 2>& G,
                 std::span<double> forces) const noexcept;
-  static void add_flat_sums(const InterfaceQuadrature::Element& element, const Eigen::Matrix3d& G,
-                            const Eigen::Matrix3d& X, const FluidSide& fluid, LoadSums& sums) noexcept;
+  static void add_line_sums(const InterfaceQuadrature::Element& element, const Eigen::Matrix<double, 3, 2>& G,
+                            const Eigen::Matrix<double, 3, 2>& X, const FluidSide& fluid,
+                            LoadSums& sums) noexcept;
   void add_at_point(std::int64_t point, const Eigen::Vector3d& f, std::span<double> forces) const noexcept;
   [[nodiscard]] Result<void> factor_recovery(const Surface& structure, const Surface& fluid);
 
   InterfaceQuadrature quadrature_;
   std::size_t structure_nodes_ = 0;
+  std::vector<std::int32_t> triangle_nodes_; ///< of the linear triangles
+  std::vector<FlatTriangles::Rows> triangle_rows_;
+  std::vector<std::int32_t> other_elements_;
+  CacheLines<double> triangle_forces_; ///< {structure nodes, 4}; empty without triangles
   la::CholeskySolver M_{la::CholeskySolver::Use::many_solutions};
   std::vector<double> work_; ///< {3, structure nodes}
 };

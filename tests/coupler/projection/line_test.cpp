@@ -159,7 +159,7 @@ TEST(LineLoad, ForcesAddUpAndPushToTheRightOfTheDirection) {
   for (const ElementKind from : lines)
     for (const ElementKind to : lines) {
       const Surface structure = chain(from, 11, arc), fluid = chain(to, 15, arc);
-      const Interface interface = pair(structure, fluid);
+      Interface interface = pair(structure, fluid);
       std::vector<double> x = fluid.points, p, f(structure.points.size());
       for (std::size_t i = 0; i < x.size(); i += 3) {
         x[i] *= 1.3; // an ellipse now

@@ -27,7 +27,7 @@ struct Loaded {
   std::vector<double> forces;
   LoadSums given;
 };
-Loaded press(const Interface& interface, const std::vector<double>& x, const std::vector<double>& p,
+Loaded press(Interface& interface, const std::vector<double>& x, const std::vector<double>& p,
              const std::vector<double>& v = {}) {
   Loaded result;
   result.forces.resize(interface.structure.points.size());
@@ -41,7 +41,7 @@ TEST(LoadTransfer, SumOfForcesIsTheIntegralOnAnyPairAndShape) {
                                                {disc(ElementKind::quad9, 3), two_sided_disc(7)},
                                                {sphere(4), sphere(6)}};
   for (const auto& [structure, fluid] : pairs) {
-    const Interface interface = pair(structure, fluid, {.largest_gap = 0.1});
+    Interface interface = pair(structure, fluid, {.largest_gap = 0.1});
     const auto x = moved(fluid, 0.2);
     std::vector<double> p; // not the same on the two sides
     for (std::size_t i = 0; i < fluid.node_count(); ++i)
@@ -70,7 +70,7 @@ TEST(LoadTransfer, SumOfForcesIsTheIntegralOnAnyPairAndShape) {
 TEST(LoadTransfer, SignPositivePressurePushesAlongTheNormalOutOfTheFluid) {
   const Surface structure = plate(ElementKind::quad9, 2),
                 fluid = plate(ElementKind::tri3, 3); // normal +z: fluid below
-  const Interface interface = pair(structure, fluid);
+  Interface interface = pair(structure, fluid);
   const Loaded load = press(interface, fluid.points, std::vector<double>(fluid.node_count(), 4.0));
   const Vector3d f = sum_nodal(structure.points, load.forces).force;
   EXPECT_NEAR(f.z(), 4, 1e-12);
@@ -81,7 +81,7 @@ TEST(LoadTransfer, SignPositivePressurePushesAlongTheNormalOutOfTheFluid) {
   for (const std::int32_t node : two.blocks[1].nodes) p[static_cast<std::size_t>(node)] = 1.0;
   for (std::size_t i = 0; i < two.node_count(); ++i) // single nodes on the rim carry the mean
     if (other_side(two)[i] == static_cast<std::int32_t>(i)) p[i] = 2.0;
-  const Interface canopy = pair(cloth, two);
+  Interface canopy = pair(cloth, two);
   EXPECT_GT(sum_nodal(cloth.points, press(canopy, two.points, p).forces).force.z(), 0.5);
   const std::vector<double> same(two.node_count(), 3.0);
   EXPECT_LT(largest_difference(press(canopy, two.points, same).forces,
@@ -92,7 +92,7 @@ TEST(LoadTransfer, SignPositivePressurePushesAlongTheNormalOutOfTheFluid) {
 TEST(LoadTransfer, UniformPressureOnAClosedSurfaceHasNoResultant) {
   const Surface structure = sphere(6);
   for (const Surface& fluid : {sphere(6), sphere(9)}) {
-    const Interface interface = pair(structure, fluid, {.largest_gap = 0.1});
+    Interface interface = pair(structure, fluid, {.largest_gap = 0.1});
     const Loaded load = press(interface, moved(fluid, 0.1), std::vector<double>(fluid.node_count(), 5.0));
     const LoadSums received = sum_nodal(structure.points, load.forces);
     EXPECT_LT(received.force.norm(), 1e-12);
@@ -117,7 +117,7 @@ TEST(LoadTransfer, MomentAndPowerAgreeWhereTheSurfacesCoincide) {
 
 TEST(LoadTransfer, PressureAndTheSameTractionAgree) {
   const Surface structure = disc(ElementKind::tri3, 5), fluid = disc(ElementKind::tri3, 7);
-  const Interface interface = pair(structure, fluid);
+  Interface interface = pair(structure, fluid);
   const auto p = pressures(fluid, [](const Point& q) { return 1 + q[0] - 2 * q[1]; });
   std::vector<double> t(fluid.points.size(), 0.0), forces(structure.points.size());
   for (std::size_t i = 0; i < p.size(); ++i) t[3 * i + 2] = p[i];
