@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/settings.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <google/protobuf/text_format.h>
@@ -73,12 +75,14 @@ std::string with_config_dir(std::string argument, const std::filesystem::path& f
 }
 
 ParticipantSettings participant(const v1::ParticipantConfig& p, const std::string& name,
-                                const config::Source& source, config::Report& report) {
+                                const std::string& path, const config::Source& source,
+                                config::Report& report) {
   ParticipantSettings s;
   s.name = name;
+  s.path = path;
   const auto folder = std::filesystem::absolute(source.file()).parent_path();
   s.command = with_config_dir(p.command(), folder);
-  s.command_position = source.where(name + ".command");
+  s.command_position = source.where(path + ".command");
   for (const std::string& a : p.argument()) s.arguments.push_back(with_config_dir(a, folder));
   if (p.has_config()) s.config = std::filesystem::absolute(source.resolve(p.config()));
   s.ranks = p.ranks();
@@ -86,19 +90,58 @@ ParticipantSettings participant(const v1::ParticipantConfig& p, const std::strin
   if (p.has_public_key()) s.public_key = std::filesystem::absolute(source.resolve(p.public_key()));
   s.directory = p.directory();
   if (!s.by_hand && (p.has_public_key() || p.has_directory()))
-    report.error(source.where(name + (p.has_public_key() ? ".public_key" : ".directory")),
+    report.error(source.where(path + (p.has_public_key() ? ".public_key" : ".directory")),
                  "this goes with launch NONE alone");
   if (p.has_directory() && !s.directory.is_absolute())
-    report.error(source.where(name + ".directory"), fmt::format("\"{}\" is not absolute", p.directory()));
+    report.error(source.where(path + ".directory"), fmt::format("\"{}\" is not absolute", p.directory()));
   for (int i = 0; i < p.environment_size(); ++i) {
     s.environment.push_back(p.environment(i));
     if (p.environment(i).find('=') == std::string::npos || p.environment(i).front() == '=')
-      report.error(source.where(fmt::format("{}.environment[{}]", name, i)),
+      report.error(source.where(fmt::format("{}.environment[{}]", path, i)),
                    fmt::format("\"{}\" is not of the form NAME=value", p.environment(i)));
   }
   if (p.has_config() == (p.argument_size() > 0))
-    report.error(source.where(name), name + " needs either a config (one of Drogue's solvers) or arguments");
+    report.error(source.where(path), name + " needs either a config (one of Drogue's solvers) or arguments");
   return s;
+}
+
+/// A name of a folder, and no other participant's.
+bool can_be_named(const std::string& name) {
+  constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  return !name.empty() && name.find_first_not_of(plain) == std::string::npos && name != "fluid" &&
+         name != "mesh_mover";
+}
+
+std::vector<ParticipantSettings> structures(const v1::CaseConfig& c, const config::Source& source,
+                                            config::Report& report) {
+  std::vector<ParticipantSettings> all;
+  std::set<std::string> names;
+  for (int i = 0; i < c.structure_size(); ++i) {
+    const v1::ParticipantConfig& p = c.structure(i);
+    const std::string path = fmt::format("structure[{}]", i);
+    const std::string name = p.has_name() ? p.name() : "structure";
+    if (c.structure_size() > 1 && !p.has_name())
+      report.error(source.where(path),
+                   fmt::format("{} needs a name: there are {} structures", path, c.structure_size()));
+    else if (!can_be_named(name))
+      report.error(
+          source.where(path + ".name"),
+          fmt::format("a structure cannot be called \"{}\": letters, digits, - and _ make a name, and "
+                      "fluid and mesh_mover are taken",
+                      name));
+    else if (!names.insert(name).second)
+      report.error(source.where(path + ".name"), fmt::format("there are two structures \"{}\"", name));
+    all.push_back(participant(p, name, path, source, report));
+  }
+  return all;
+}
+
+/// The fluid or the mesh mover.
+ParticipantSettings only(const v1::ParticipantConfig& p, const std::string& name,
+                         const config::Source& source, config::Report& report) {
+  if (p.has_name())
+    report.error(source.where(name + ".name"), fmt::format("{} has its name: only structures get one", name));
+  return participant(p, name, name, source, report);
 }
 
 bool is_tcp(const std::string& endpoint) {
@@ -138,12 +181,12 @@ void check_keys(const CaseSettings& s, const config::Source& source, config::Rep
   for (const ParticipantSettings* p : participants_of(s)) {
     if (!p->by_hand) continue;
     if (p->public_key.empty() != s.network.key.empty())
-      report.error(source.where(p->name),
+      report.error(source.where(p->path),
                    fmt::format("{}.public_key and network.key go together: {} is missing", p->name,
                                p->public_key.empty() ? "the first" : "the second"));
     if (std::filesystem::is_regular_file(p->public_key, failure))
       if (const auto key = keys::read_public(p->public_key); !key)
-        report.error(source.where(p->name + ".public_key"), key.error().message);
+        report.error(source.where(p->path + ".public_key"), key.error().message);
   }
 }
 
@@ -200,11 +243,14 @@ std::string hash_of(v1::CaseConfig c) {
   c.clear_checkpoints();
   c.clear_healing();
   c.clear_network();
-  for (v1::ParticipantConfig* p : {c.mutable_fluid(), c.mutable_structure(), c.mutable_mesh_mover()}) {
-    p->clear_launch();
-    p->clear_public_key();
-    p->clear_directory();
-  }
+  const auto forget_place = [](v1::ParticipantConfig& p) {
+    p.clear_launch();
+    p.clear_public_key();
+    p.clear_directory();
+  };
+  forget_place(*c.mutable_fluid());
+  forget_place(*c.mutable_mesh_mover());
+  for (v1::ParticipantConfig& p : *c.mutable_structure()) forget_place(p);
   c.mutable_time()->clear_steps();
   std::string text;
   google::protobuf::TextFormat::PrintToString(c, &text);
@@ -220,13 +266,18 @@ bool all_built_in(const CaseSettings& s) {
   const auto is = [](const ParticipantSettings& p, const char* program) {
     return !p.by_hand && std::filesystem::path(p.command).filename() == program;
   };
-  return is(s.fluid, "fluid_solver") && is(s.structure, "structure_solver") && is(s.mesh_mover, "mesh_mover");
+  return is(s.fluid, "fluid_solver") && is(s.mesh_mover, "mesh_mover") &&
+         std::all_of(s.structures.begin(), s.structures.end(),
+                     [&](const auto& structure) { return is(structure, "structure_solver"); });
 }
 
 } // namespace
 
-std::array<const ParticipantSettings*, 3> participants_of(const CaseSettings& settings) {
-  return {&settings.fluid, &settings.structure, &settings.mesh_mover};
+std::vector<const ParticipantSettings*> participants_of(const CaseSettings& settings) {
+  std::vector<const ParticipantSettings*> all{&settings.fluid};
+  for (const ParticipantSettings& structure : settings.structures) all.push_back(&structure);
+  all.push_back(&settings.mesh_mover);
+  return all;
 }
 
 CaseSettings load_case(const std::filesystem::path& file, config::Report& report) {
@@ -237,9 +288,9 @@ CaseSettings load_case(const std::filesystem::path& file, config::Report& report
   s.file = std::filesystem::absolute(file);
   s.name = c.name();
   s.run_directory = c.run_directory();
-  if (c.has_fluid()) s.fluid = participant(c.fluid(), "fluid", source, report);
-  if (c.has_structure()) s.structure = participant(c.structure(), "structure", source, report);
-  if (c.has_mesh_mover()) s.mesh_mover = participant(c.mesh_mover(), "mesh_mover", source, report);
+  if (c.has_fluid()) s.fluid = only(c.fluid(), "fluid", source, report);
+  s.structures = structures(c, source, report);
+  if (c.has_mesh_mover()) s.mesh_mover = only(c.mesh_mover(), "mesh_mover", source, report);
   s.time_step = c.time().step();
   s.steps = c.time().steps();
   s.loop = loop(c.loop(), source, report);

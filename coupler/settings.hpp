@@ -19,7 +19,8 @@ enum class LoadTime { matching, end_of_step, mean_of_step, extrapolated_mean };
 enum class Scheme { serial, parallel, structure_first };
 
 struct ParticipantSettings {
-  std::string name;             ///< "fluid", "structure" or "mesh_mover"
+  std::string name;             ///< "fluid", "mesh_mover", and "structure" or what the case calls it
+  std::string path;             ///< in the case: "fluid", "structure[0]"
   std::string command;          ///< as written in the case
   std::string command_position; ///< file:line:column of it
   std::vector<std::string> arguments;
@@ -80,7 +81,8 @@ struct CaseSettings {
   std::filesystem::path file;
   std::string name;
   std::filesystem::path run_directory;
-  ParticipantSettings fluid, structure, mesh_mover;
+  ParticipantSettings fluid, mesh_mover;
+  std::vector<ParticipantSettings> structures; ///< at least one
   double time_step = 0;
   int steps = 0;
   LoopSettings loop;
@@ -99,7 +101,7 @@ struct CaseSettings {
 };
 
 /// All participants; pointers into the settings.
-[[nodiscard]] std::array<const ParticipantSettings*, 3> participants_of(const CaseSettings& settings);
+[[nodiscard]] std::vector<const ParticipantSettings*> participants_of(const CaseSettings& settings);
 
 /// Reads and checks a case file. All errors land in `report`; what could be read is returned in any case.
 [[nodiscard]] CaseSettings load_case(const std::filesystem::path& file, config::Report& report);

@@ -35,7 +35,7 @@ Result<void> check_fields(const std::string& role, const v1::Hello& hello) {
         return peer_error("\"{}\" lacks its quantity, location, time level or components", f.name());
     }
   }
-  return check_role(role, hello);
+  return check_role(role, role, hello);
 }
 
 /// Every output of the contract, in its shape, finite.

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/record/recorder.hpp"
 
+#include <algorithm>
+
 namespace drogue::coupler::record {
 
 namespace fs = std::filesystem;
 
 Recorder::Recorder(const fs::path& run_directory) : folder_(run_directory / "record"), ending_(".record") {
-  const auto taken = [&] {
-    for (const char* name : {"structure", "mesh_mover", "fluid"})
-      if (fs::exists(folder_ / (name + ending_))) return true;
+  const auto taken = [&] { // names have no dots
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(folder_, none)) {
+      const std::string name = entry.path().filename().string();
+      if (name.substr(std::min(name.find('.'), name.size())) == ending_) return true;
+    }
     return false;
   };
   for (int life = 2; taken(); ++life) ending_ = fmt::format(".{}.record", life);

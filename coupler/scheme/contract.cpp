@@ -74,32 +74,31 @@ const v1::FieldContract* find_output(const v1::Hello& hello, std::string_view na
   return find(hello.output(), name);
 }
 
-Result<void> check_role(const std::string& role, const v1::Hello& hello) {
+Result<void> check_role(const std::string& role, const std::string& who, const v1::Hello& hello) {
   const RoleContract contract = contract_of(role);
   for (const ExpectedField& expected : contract.outputs) {
     const v1::FieldContract* f = find_output(hello, expected.name);
-    if (!f) return config_error("{} does not give \"{}\", which the coupling needs", role, expected.name);
-    DROGUE_TRY(check_match(role, "output", *f, expected));
+    if (!f) return config_error("{} does not give \"{}\", which the coupling needs", who, expected.name);
+    DROGUE_TRY(check_match(who, "output", *f, expected));
   }
   for (const v1::FieldContract& f : hello.input()) {
     const auto it = std::find_if(contract.inputs.begin(), contract.inputs.end(),
                                  [&](const auto& e) { return e.name == f.name(); });
     if (it != contract.inputs.end())
-      DROGUE_TRY(check_match(role, "input", f, *it));
+      DROGUE_TRY(check_match(who, "input", f, *it));
     else if (!f.optional())
-      return config_error("{} needs \"{}\", which the coupler does not have", role, f.name());
+      return config_error("{} needs \"{}\", which the coupler does not have", who, f.name());
   }
   if (role == "structure" && !find_input(hello, "force") && !find_input(hello, "traction"))
-    return config_error("structure takes neither \"force\" nor \"traction\": it cannot be loaded");
+    return config_error("{} takes neither \"force\" nor \"traction\": it cannot be loaded", who);
   return {};
 }
 
 Result<void> check_shape(const std::string& who, const v1::FieldContract& contract,
-                         const participant::FloatArray& array, const participant::InterfaceMesh& mesh) {
-  const std::uint64_t rows = contract.location() == v1::FieldContract::INTERFACE_NODES
-                                 ? mesh.points.size() / 3
-                             : contract.location() == v1::FieldContract::MESH_NODES ? mesh.mesh_node_count
-                                                                                    : 1;
+                         const participant::FloatArray& array, const MeshSize& size) {
+  const std::uint64_t rows = contract.location() == v1::FieldContract::INTERFACE_NODES ? size.interface_nodes
+                             : contract.location() == v1::FieldContract::MESH_NODES    ? size.mesh_nodes
+                                                                                       : 1;
   const std::vector<std::uint64_t> expected{rows, contract.components()};
   if (array.shape == expected) return {};
   return peer_error("{} gave \"{}\" with shape {{{}}}, expected {{{}}}", who, contract.name(),

@@ -16,12 +16,17 @@ namespace drogue::coupler {
 /// the outputs that the coupling needs; every input it needs must be one that the coupler has. Quantity,
 /// location, components and time level must be the same. The fluid's load is looked for in
 /// Participants::choose_load. Errors: ErrorKind::config.
-[[nodiscard]] Result<void> check_role(const std::string& role, const v1::Hello& hello);
+/// @param who the participant's name, for messages
+[[nodiscard]] Result<void> check_role(const std::string& role, const std::string& who,
+                                      const v1::Hello& hello);
 
+/// Nodes of a participant.
+struct MeshSize {
+  std::uint64_t interface_nodes = 0, mesh_nodes = 0;
+};
 /// The shape that the contract promises.
 [[nodiscard]] Result<void> check_shape(const std::string& who, const v1::FieldContract& contract,
-                                       const participant::FloatArray& array,
-                                       const participant::InterfaceMesh& mesh);
+                                       const participant::FloatArray& array, const MeshSize& size);
 
 /// Fluid and mesh mover must hold the same mesh and name the same interface nodes. A participant that gives
 /// no hash is believed on its node count, with a warning.

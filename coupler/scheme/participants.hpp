@@ -2,13 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/base/result.hpp"
 #include "coupler/checkpoint_store.hpp"
 #include "coupler/launcher/peer.hpp"
+#include "coupler/scheme/contract.hpp"
 #include "coupler/settings.hpp"
 #include "participant/cpp/participant.hpp"
 
@@ -27,10 +30,11 @@ struct MeshChange {
   double mass_defect = 0, momentum_defect = 0, energy_defect = 0;
 };
 
-/// The three participants of a case, as typed calls over the wire.
+/// The participants of a case, as typed calls over the wire. Several structures act as one: fields on their
+/// interfaces are one array, with the nodes of one after those of the other in the order of the case.
 class Participants {
  public:
-  /// Starts the three processes (working directory RUN/NAME, log RUN/NAME.log), shakes hands, checks
+  /// Starts the processes (working directory RUN/NAME, log RUN/NAME.log), shakes hands, checks
   /// versions, capabilities and field contracts, and initialises them side by side. `resume`: their results
   /// of an earlier part stay, and restore() follows. `witness` sees every message; or nullptr. A participant
   /// that is started by hand is waited for, and the command that starts it printed.
@@ -42,7 +46,7 @@ class Participants {
   participant::InterfaceMesh fluid_interface, structure_interface, mesh_interface;
 
   [[nodiscard]] Result<void> begin_step(const Station& at, double time, double time_step);
-  /// All three; `write_output`: their own output intervals count this step.
+  /// Everyone; `write_output`: their own output intervals count this step.
   [[nodiscard]] Result<void> commit(const Station& at, bool write_output);
   /// The mesh that the mesh mover gave with its last commit to take the place of the present one.
   [[nodiscard]] const std::optional<v1::NewMesh>& new_mesh() const { return new_mesh_; }
@@ -54,7 +58,7 @@ class Participants {
   /// Everyone that is in the step goes back to its beginning.
   [[nodiscard]] Result<void> roll_back(const Station& at);
 
-  /// All three, between two steps: each into, or from, DIRECTORY/NAME. @pre nobody is in
+  /// Everyone, between two steps: each into, or from, DIRECTORY/NAME. @pre nobody is in
   /// who_cannot_checkpoint()
   [[nodiscard]] Result<void> checkpoint(const Station& at, const std::filesystem::path& directory);
   [[nodiscard]] Result<void> restore(const Station& at, const std::filesystem::path& directory);
@@ -63,19 +67,20 @@ class Participants {
   [[nodiscard]] std::string who_cannot_roll_back() const;
 
   /// One solve: sends `inputs` (only those that the participant's contract names) and gives its outputs.
-  [[nodiscard]] Result<participant::Fields> structure(const Station& at, participant::Fields inputs);
   [[nodiscard]] Result<participant::Fields> mesh_mover(const Station& at, participant::Fields inputs);
   [[nodiscard]] Result<participant::Fields> fluid(const Station& at, participant::Fields inputs);
 
-  /// The structure's solve in two halves, for another one in between. What was begun must be ended.
+  /// The structures' solve in two halves, in which they work side by side, for another one in between. What
+  /// was begun must be ended.
   [[nodiscard]] Result<void> begin_structure(const Station& at, participant::Fields inputs);
   [[nodiscard]] Result<participant::Fields> end_structure();
 
   /// What a solver said of its own iteration in its last solve.
   [[nodiscard]] const v1::Iterated& fluid_report() const { return fluid_report_; }
-  [[nodiscard]] const v1::Iterated& structure_report() const { return structure_report_; }
+  /// Of several structures the most iterations and the largest residual.
+  [[nodiscard]] v1::Iterated structure_report() const;
 
-  /// Why the last solves of the three may not end a step; empty when they may. A solver that iterates to its
+  /// Why the last solves may not end a step; empty when they may. A solver that iterates to its
   /// own tolerance must have met it; one that does a fixed number of iterations must have its residual at or
   /// below `residual`, relative to the first of the step, or its own tolerance.
   [[nodiscard]] std::string inner_trouble(double residual) const;
@@ -86,12 +91,19 @@ class Participants {
   /// What the structure takes of it; never LoadTime::matching.
   [[nodiscard]] LoadTime load_time() const { return load_time_; }
 
-  /// Whether the structure asks for the "traction" as well as, or in place of, the nodal forces.
+  /// Whether a structure asks for the "traction" as well as, or in place of, the nodal forces.
   [[nodiscard]] bool structure_takes_traction() const;
 
   [[nodiscard]] launcher::Hub& hub() { return *hub_; }
 
  private:
+  /// A structure, and its nodes among those of all.
+  struct Structure {
+    launcher::Peer* peer = nullptr;
+    std::size_t first_node = 0;
+    MeshSize size;
+    v1::Iterated report;
+  };
   explicit Participants(const CaseSettings& settings) : settings_(settings) {}
   [[nodiscard]] Result<void> start(const ParticipantSettings& p, const std::filesystem::path& run_directory,
                                    launcher::Peer*& peer);
@@ -102,16 +114,18 @@ class Participants {
   [[nodiscard]] Result<void> choose_load();
   [[nodiscard]] Result<void> configure(const std::filesystem::path& run_directory, bool resume);
   [[nodiscard]] Result<void> initialize();
-  [[nodiscard]] Result<participant::Fields> iterate(launcher::Peer& peer, const Station& at,
-                                                    participant::Fields inputs);
+  void join_structures(std::map<const launcher::Peer*, participant::InterfaceMesh>& meshes);
   [[nodiscard]] Result<void> begin_iterate(launcher::Peer& peer, const Station& at,
                                            participant::Fields inputs);
-  [[nodiscard]] Result<participant::Fields> end_iterate(launcher::Peer& peer);
+  [[nodiscard]] Result<participant::Fields> end_iterate(launcher::Peer& peer, const MeshSize& size,
+                                                        v1::Iterated& report);
+  [[nodiscard]] std::vector<launcher::Peer*> everyone() const;
 
   const CaseSettings& settings_;
   std::unique_ptr<launcher::Hub> hub_;
-  launcher::Peer *fluid_ = nullptr, *structure_ = nullptr, *mesh_mover_ = nullptr;
-  v1::Iterated fluid_report_, structure_report_, mesh_report_;
+  launcher::Peer *fluid_ = nullptr, *mesh_mover_ = nullptr;
+  std::vector<Structure> structures_;
+  v1::Iterated fluid_report_, mesh_report_;
   std::optional<v1::NewMesh> new_mesh_;
   std::optional<MeshFile> replaced_mesh_;
   std::string load_field_;

@@ -2,6 +2,7 @@
 // Participants up to the first step: started or waited for, asked who they are, and initialised.
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <random>
 
@@ -10,6 +11,7 @@
 
 #include "coupler/participant_command.hpp"
 #include "coupler/scheme/contract.hpp"
+#include "coupler/scheme/joined_interface.hpp"
 #include "coupler/scheme/participants.hpp"
 
 namespace drogue::coupler {
@@ -148,7 +150,9 @@ Result<std::unique_ptr<Participants>> Participants::launch(const CaseSettings& s
   p->hub_ = std::move(*hub);
   // Whatever fails from here on, the others are told why and nobody is left behind.
   const auto all = [&]() -> Result<void> {
-    DROGUE_TRY(p->start(settings.structure, run_directory, p->structure_));
+    p->structures_.resize(settings.structures.size());
+    for (std::size_t i = 0; i < p->structures_.size(); ++i)
+      DROGUE_TRY(p->start(settings.structures[i], run_directory, p->structures_[i].peer));
     DROGUE_TRY(p->start(settings.mesh_mover, run_directory, p->mesh_mover_));
     DROGUE_TRY(p->start(settings.fluid, run_directory, p->fluid_));
     DROGUE_TRY(p->await_hello());
@@ -205,7 +209,7 @@ Result<void> Participants::expect(const ParticipantSettings& p, Peer*& peer) {
 /// Those that the coupler started first: they need not wait for a hand.
 Result<void> Participants::await_hello() {
   for (const bool by_hand : {false, true})
-    for (Peer* peer : {structure_, mesh_mover_, fluid_})
+    for (Peer* peer : everyone())
       if (!peer->process == by_hand)
         DROGUE_TRY(hub_->await_hello(
             *peer, Seconds(by_hand ? settings_.deadlines.by_hand : settings_.deadlines.connect)));
@@ -213,7 +217,7 @@ Result<void> Participants::await_hello() {
 }
 
 Result<void> Participants::check_contracts() {
-  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+  for (Peer* peer : everyone()) {
     const v1::Hello& h = peer->hello;
     spdlog::info("{} is {}", peer->name, h.software());
     if (h.min_version() > wire::version || h.max_version() < wire::version)
@@ -223,7 +227,9 @@ Result<void> Participants::check_contracts() {
       return config_error("loop.non_convergence is RETRY, but {} cannot {}", peer->name,
                           h.can_rollback() ? "change its step" : "roll back");
   }
-  for (const Peer* peer : {structure_, mesh_mover_, fluid_}) DROGUE_TRY(check_role(peer->name, peer->hello));
+  for (const Peer* peer : {mesh_mover_, fluid_}) DROGUE_TRY(check_role(peer->name, peer->name, peer->hello));
+  for (const Structure& structure : structures_)
+    DROGUE_TRY(check_role("structure", structure.peer->name, structure.peer->hello));
   return choose_load();
 }
 
@@ -261,7 +267,7 @@ Result<void> Participants::choose_load() {
 }
 
 Result<void> Participants::configure(const std::filesystem::path& run_directory, bool resume) {
-  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+  for (Peer* peer : everyone()) {
     wire::Message m = first_message();
     v1::Configure& c = *m.envelope.mutable_configure();
     c.set_version(wire::version);
@@ -272,26 +278,39 @@ Result<void> Participants::configure(const std::filesystem::path& run_directory,
     c.set_resume(resume);
     DROGUE_TRY(hub_->post(*peer, std::move(m)));
   }
-  for (Peer* peer : {structure_, mesh_mover_, fluid_})
-    DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.other)));
+  for (Peer* peer : everyone()) DROGUE_TRY(hub_->await(*peer, Seconds(settings_.deadlines.other)));
   return {};
 }
 
+void Participants::join_structures(std::map<const Peer*, participant::InterfaceMesh>& meshes) {
+  std::vector<participant::InterfaceMesh> all;
+  std::size_t nodes = 0;
+  for (Structure& structure : structures_) {
+    participant::InterfaceMesh& mesh = all.emplace_back(std::move(meshes[structure.peer]));
+    structure.first_node = nodes;
+    structure.size = {mesh.points.size() / 3, mesh.mesh_node_count};
+    nodes += structure.size.interface_nodes;
+  }
+  structure_interface = all.size() == 1 ? std::move(all[0]) : joined(all);
+}
+
 Result<void> Participants::initialize() {
-  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+  for (Peer* peer : everyone()) {
     wire::Message m = first_message();
     m.envelope.mutable_initialize();
     DROGUE_TRY(hub_->post(*peer, std::move(m)));
   }
-  for (Peer* peer : {structure_, mesh_mover_, fluid_}) {
+  std::map<const Peer*, participant::InterfaceMesh> meshes;
+  for (Peer* peer : everyone()) {
     auto answer = hub_->await(*peer, Seconds(settings_.deadlines.initialize));
     if (!answer) return answer.error();
     auto mesh = interface_of(*peer, *answer);
     if (!mesh) return mesh.error();
-    (peer == structure_ ? structure_interface
-     : peer == fluid_   ? fluid_interface
-                        : mesh_interface) = std::move(*mesh);
+    meshes[peer] = std::move(*mesh);
   }
+  fluid_interface = std::move(meshes[fluid_]);
+  mesh_interface = std::move(meshes[mesh_mover_]);
+  join_structures(meshes);
   return check_same_mesh(fluid_interface, mesh_interface);
 }
 
