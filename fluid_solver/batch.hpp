@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <type_traits>
 
 #include "fluid_solver/kernel_isa.hpp"
 
-/// Numbers of the element kernels: double, or eight elements at a time.
+/// Numbers of the element kernels: double, or eight or sixteen elements at a time.
 namespace drogue::fluid {
 inline namespace DROGUE_ISA {
 
@@ -16,6 +18,28 @@ inline namespace DROGUE_ISA {
 /// shorter.
 using Batch = double __attribute__((vector_size(64)));
 inline constexpr int batch_size = 8;
+
+/// Sixteen floats: two batches side by side. The matrix is kept in single precision; its tangents are formed
+/// in it, from quantities that were evaluated in double precision.
+using Floats = float __attribute__((vector_size(64)));
+
+/// What a constant must be to be multiplied by a Real.
+template <class Real>
+using Scalar = std::conditional_t<std::is_same_v<Real, Floats>, float, double>;
+
+/// Members of `from`, a struct of Batches, to half 0 or 1 of those of `to`, the same struct of Floats.
+template <class From, class To>
+inline void narrow(const From& from, int half, To& to) noexcept {
+  static_assert(sizeof(From) == sizeof(To) && sizeof(From) % sizeof(Batch) == 0);
+  using Half = float __attribute__((vector_size(32)));
+  for (std::size_t at = 0; at < sizeof(From); at += sizeof(Batch)) {
+    Batch wide;
+    std::memcpy(&wide, reinterpret_cast<const char*>(&from) + at, sizeof(wide));
+    const Half values = __builtin_convertvector(wide, Half);
+    std::memcpy(reinterpret_cast<char*>(&to) + at + sizeof(Half) * static_cast<std::size_t>(half), &values,
+                sizeof(values));
+  }
+}
 
 /// Applies a function of double lane by lane.
 template <class Real, class Function>
@@ -39,13 +63,12 @@ template <class Real>
   if constexpr (std::is_same_v<Real, Batch>) {
     // A third of the exponent, as integers, is within 6 %; Halley's iteration cubes the error.
     using Bits = std::int32_t __attribute__((vector_size(32)));
-    using Floats = float __attribute__((vector_size(32)));
-    Floats y;
-    const Floats narrow = __builtin_convertvector(a, Floats);
+    using Eight = float __attribute__((vector_size(32)));
+    Eight y = __builtin_convertvector(a, Eight);
     Bits bits;
-    __builtin_memcpy(&bits, &narrow, sizeof(bits));
+    std::memcpy(&bits, &y, sizeof(bits));
     bits = bits / 3 + 0x2a5137a0;
-    __builtin_memcpy(&y, &bits, sizeof(y));
+    std::memcpy(&y, &bits, sizeof(y));
     Batch root = __builtin_convertvector(y, Batch);
     for (int k = 0; k < 3; ++k) {
       const Batch cube = root * root * root;

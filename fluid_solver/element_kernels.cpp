@@ -2,6 +2,9 @@
 // Compiled once for each instruction set: drogue_kernels in cmake/targets.cmake.
 #include "fluid_solver/element_kernels.hpp"
 
+#include <algorithm>
+#include <cstring>
+
 #include "fluid_solver/batch.hpp"
 #include "fluid_solver/semi_discrete_element.hpp"
 #include "fluid_solver/space_time_element.hpp"
@@ -31,12 +34,12 @@ inline void scatter(const std::int32_t* rows, const Batch from[dim + 1][n], doub
     }
 }
 
-using Floats = float __attribute__((vector_size(32)));
+using Eight = float __attribute__((vector_size(32)));
 
 /// Turns eight rows of eight into eight columns.
-inline void transpose(Floats r[8]) noexcept {
-  Floats t[8];
-  Floats u[8];
+inline void transpose(Eight r[8]) noexcept {
+  Eight t[8];
+  Eight u[8];
   for (int k = 0; k < 8; k += 2) {
     t[k] = __builtin_shufflevector(r[k], r[k + 1], 0, 8, 1, 9, 4, 12, 5, 13);
     t[k + 1] = __builtin_shufflevector(r[k], r[k + 1], 2, 10, 3, 11, 6, 14, 7, 15);
@@ -52,40 +55,45 @@ inline void transpose(Floats r[8]) noexcept {
   }
 }
 
-/// Adds block (a, b) of eight elements to the matrix: eight scalars of a block at a time, transposed so that
-/// those of an element lie side by side. Where an element comes first its values replace the former ones.
-/// Meanwhile the blocks of the next eight are brought near.
+/// Adds block (a, b) of sixteen elements to the matrix: eight scalars of a block at a time, transposed so
+/// that those of an element lie side by side. Where an element comes first its values replace the former
+/// ones. Meanwhile the blocks of the next sixteen are brought near.
 template <int dim, int n>
 struct MatrixSink {
   const std::int32_t* entry;
-  const std::int32_t* next; ///< entry of the next eight elements
-  const double* scale;      ///< {n * n}
+  const std::int32_t* next; ///< entry of the next sixteen elements
+  const float* scale;       ///< {n * n}
   la::BlockMatrix<n>* matrix;
 
-  void operator()(int a, int b, const Batch* block) const noexcept {
+  void operator()(int a, int b, const Floats* block) const noexcept {
     constexpr int nodes = dim + 1;
     constexpr int line = 16; // floats
     alignas(64) static constexpr float zero[n * n] = {};
     alignas(64) float nowhere[n * n]; // for rows of other ranks
-    const float* from[batch_size];
-    float* to[batch_size];
-    for (int l = 0; l < batch_size; ++l) {
-      const int pair = nodes * nodes * l + nodes * a + b;
-      const std::int32_t place = entry[pair];
-      to[l] = place < 0 ? nowhere : matrix->block(place >> 1);
-      from[l] = (place & 1) != 0 ? zero : to[l];
-      const float* soon = matrix->block(std::max(next[pair], 0) >> 1);
-      for (int i = 0; i < n * n; i += line) __builtin_prefetch(soon + i, 1);
-    }
-    for (int q = 0; q < n * n; q += 8) {
-      Floats rows[8];
-      for (int k = 0; k < 8; ++k) rows[k] = __builtin_convertvector(block[q + k] * scale[q + k], Floats);
-      transpose(rows);
+    for (int half = 0; half < 2; ++half) {
+      const float* from[batch_size];
+      float* to[batch_size];
       for (int l = 0; l < batch_size; ++l) {
-        Floats sum;
-        __builtin_memcpy(&sum, from[l] + q, sizeof(sum));
-        sum += rows[l];
-        __builtin_memcpy(to[l] + q, &sum, sizeof(sum));
+        const int pair = nodes * (nodes * (batch_size * half + l) + a) + b;
+        const std::int32_t place = entry[pair];
+        to[l] = place < 0 ? nowhere : matrix->block(place >> 1);
+        from[l] = (place & 1) != 0 ? zero : to[l];
+        const float* soon = matrix->block(std::max(next[pair], 0) >> 1);
+        for (int i = 0; i < n * n; i += line) __builtin_prefetch(soon + i, 1);
+      }
+      for (int q = 0; q < n * n; q += 8) {
+        Eight rows[8];
+        for (int k = 0; k < 8; ++k)
+          std::memcpy(&rows[k], reinterpret_cast<const float*>(block + q + k) + 8 * half, sizeof(Eight));
+        transpose(rows);
+        Eight factor;
+        std::memcpy(&factor, scale + q, sizeof(factor));
+        for (int l = 0; l < batch_size; ++l) {
+          Eight sum;
+          std::memcpy(&sum, from[l] + q, sizeof(sum));
+          sum += rows[l] * factor;
+          std::memcpy(to[l] + q, &sum, sizeof(sum));
+        }
       }
     }
   }
@@ -122,42 +130,57 @@ struct Element;
 template <int dim>
 struct Element<dim, 4, 1> {
   using Values = SemiDiscreteValues<dim, Batch>;
-  template <bool tangent, class Sink>
-  static void evaluate(const Values& in, const StepData& data, const StandardCoefficients& rule,
-                       Batch residual[dim + 1][4], Sink&& sink) noexcept {
-    semi_discrete_element<tangent>(in, data.rate, rule.parameters, rule, residual, sink);
+  template <class Real>
+  using Known = Instant<dim, Real>; ///< what the residual leaves for the tangent
+  static void residual(const Values& in, const StepData& data, const StandardCoefficients& rule,
+                       Batch r[dim + 1][4], Known<Batch>& known) noexcept {
+    semi_discrete_residual(in, data.rate, rule.parameters, rule, r, known);
+  }
+  template <class Sink>
+  static void tangent(const Known<Floats>& known, const StepData& data, Sink&& sink) noexcept {
+    semi_discrete_tangent(known, data.rate, sink);
   }
 };
 template <int dim, int time_points>
 struct Element<dim, 8, time_points> {
   using Values = SpaceTimeValues<dim, Batch>;
-  template <bool tangent, class Sink>
-  static void evaluate(const Values& in, const StepData&, const StandardCoefficients& rule,
-                       Batch residual[dim + 1][8], Sink&& sink) noexcept {
-    space_time_element<tangent, time_points>(in, rule.parameters, rule, residual, sink);
+  template <class Real>
+  using Known = SlabInstants<dim, time_points, Real>;
+  static void residual(const Values& in, const StepData&, const StandardCoefficients& rule,
+                       Batch r[dim + 1][8], Known<Batch>& known) noexcept {
+    space_time_residual<time_points>(in, rule.parameters, rule, r, known);
+  }
+  template <class Sink>
+  static void tangent(const Known<Floats>& known, const StepData& data, Sink&& sink) noexcept {
+    space_time_tangent(known, data.dt, sink);
   }
 };
 
+/// Residuals of two batches, then their tangents together.
 template <int dim, int n, int time_points>
 void add_all(const LocalElements& elements, const StepData& data, const FlowParameters& parameters,
              const double* block_scale, double* residual, la::BlockMatrix<n>* jacobian) noexcept {
   const StandardCoefficients rule{parameters};
   using Kernel = Element<dim, n, time_points>;
   constexpr std::size_t nodes = dim + 1;
+  constexpr std::size_t pairs = nodes * nodes;
+  alignas(64) float scale[n * n];
+  for (int i = 0; i < n * n; ++i) scale[i] = static_cast<float>(block_scale[i]);
+  typename Kernel::template Known<Floats> narrowed;
   for (std::int32_t k = 0; k < elements.batches; ++k) {
     const auto first = static_cast<std::size_t>(k) * batch_size;
     typename Kernel::Values in;
     load<dim>(data, elements.node.data() + nodes * first, in);
     Batch r[nodes][n];
-    if (jacobian != nullptr) {
-      const auto entries = nodes * nodes * batch_size;
-      const std::int32_t* entry = elements.entry.data() + nodes * nodes * first;
-      const std::int32_t* next = k + 1 < elements.batches ? entry + entries : entry;
-      Kernel::template evaluate<true>(in, data, rule, r,
-                                      MatrixSink<dim, n>{entry, next, block_scale, jacobian});
-    } else
-      Kernel::template evaluate<false>(in, data, rule, r, [](int, int, const Batch*) noexcept {});
+    typename Kernel::template Known<Batch> known;
+    Kernel::residual(in, data, rule, r, known);
     scatter<dim, n>(elements.row.data() + nodes * first, r, residual);
+    if (jacobian == nullptr) continue;
+    narrow(known, k % 2, narrowed);
+    if (k % 2 == 0) continue;
+    const std::int32_t* entry = elements.entry.data() + pairs * (first - batch_size);
+    const std::int32_t* next = k + 1 < elements.batches ? entry + pairs * 2 * batch_size : entry;
+    Kernel::tangent(narrowed, data, MatrixSink<dim, n>{entry, next, scale, jacobian});
   }
 }
 

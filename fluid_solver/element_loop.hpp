@@ -19,10 +19,9 @@ struct LocalElements {
   LocalElements(const FluidMesh& mesh, const la::RowRange& own, const la::LocalPattern& pattern);
 
   int dimension = 3;
-  std::int32_t batches = 0;
-  std::vector<std::int32_t>
-      node;                      ///< {batches, 8, m} nodes; the last batch is filled up with its last element
-  std::vector<std::int32_t> row; ///< {batches, 8, m} own row, or -1
+  std::int32_t batches = 0;       ///< even: tangents take two at a time
+  std::vector<std::int32_t> node; ///< {batches, 8, m} nodes; filled up with the last element
+  std::vector<std::int32_t> row;  ///< {batches, 8, m} own row, or -1
   /// {batches, 8, m * m} twice the position in the pattern, plus one for the element whose block is
   /// the first to be added there; or -1
   std::vector<std::int32_t> entry;

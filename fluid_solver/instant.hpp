@@ -58,7 +58,7 @@ inline constexpr double node_mean = 1.0 / (dim + 1);
 template <int dim>
 inline constexpr double node_pair = 1.0 / ((dim + 1) * (dim + 2));
 
-/// Everything residual and tangent have in common, computed once.
+/// What residual and tangent have in common, computed once.
 template <int dim, class Real>
 struct Instant {
   static constexpr int nodes = dim + 1;
@@ -66,16 +66,18 @@ struct Instant {
   Coefficients<Real> k;
   Real grad_u[dim][dim];
   Real weight;               ///< volume times the quadrature weight in time
-  Real r_mass[nodes][dim];   ///< int N_a r [weighted]
   Real dc_grad_u[dim][dim];  ///< grad_u where the tangent lets c vary, else zero
   Real tau_dc_r[nodes][dim]; ///< tau int N_a r where it does
   Real c_mean[dim];          ///< centroid value of c
   Real advect[nodes][nodes]; ///< int N_a c . grad N_b [weighted]
   Real cc[dim][dim];         ///< int c_i c_j [weighted]
+};
 
-  Real momentum[nodes][dim];  ///< F
-  Real continuity[nodes];     ///< C
-  Real time_test[nodes][dim]; ///< Ft
+template <int dim, class Real>
+struct InstantResidual {
+  Real momentum[dim + 1][dim];  ///< F
+  Real continuity[dim + 1];     ///< C
+  Real time_test[dim + 1][dim]; ///< Ft
 };
 
 /// Evaluates geometry-dependent integrals and the three residuals of the element. `rule(point, geometry, c,
@@ -85,7 +87,7 @@ struct Instant {
 template <int dim, class Real, class Rule>
 inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real>& v, double weight_in_time,
                              const Rule& rule, int point, bool vary_c, bool with_stress,
-                             Instant<dim, Real>& s) noexcept {
+                             Instant<dim, Real>& s, InstantResidual<dim, Real>& residual) noexcept {
   constexpr int nodes = dim + 1;
   s.geometry = simplex_geometry(x);
   const auto& g = s.geometry.gradient;
@@ -146,17 +148,17 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
   for (int a = 0; a < nodes; ++a) {
     for (int d = 0; d < dim; ++d) {
       const Real galerkin = V_pair * (inertia_sum[d] + inertia[a][d]);
-      s.r_mass[a][d] = galerkin + V_mean * gradients[d];
+      const Real r_mass = galerkin + V_mean * gradients[d]; // int N_a r
       Real f = galerkin + isotropic * g[a][d];
       for (int j = 0; j < dim; ++j)
         f += g[a][j] * (s.k.nu * V * (s.grad_u[d][j] + s.grad_u[j][d]) + s.k.tau * c_r[j][d]);
-      s.momentum[a][d] = f;
-      s.time_test[a][d] = s.k.tau_time * s.r_mass[a][d];
-      s.tau_dc_r[a][d] = vary * s.k.tau * s.r_mass[a][d];
+      residual.momentum[a][d] = f;
+      residual.time_test[a][d] = s.k.tau_time * r_mass;
+      s.tau_dc_r[a][d] = vary * s.k.tau * r_mass;
     }
     Real q = V_mean * div;
     for (int d = 0; d < dim; ++d) q += s.k.tau * g[a][d] * (V_mean * inertia_sum[d] + V * gradients[d]);
-    s.continuity[a] = q;
+    residual.continuity[a] = q;
     for (int b = 0; b < nodes; ++b) {
       Real sum = (c_sum[0] + v.c[a][0]) * g[b][0];
       for (int d = 1; d < dim; ++d) sum += (c_sum[d] + v.c[a][d]) * g[b][d];
@@ -165,8 +167,8 @@ inline void evaluate_instant(const Real (*x)[dim], const InstantValues<dim, Real
   }
 }
 
-/// Derivatives of F_a, C_a and Ft_a with respect to node b's velocity u_j, its time derivative and its
-/// pressure at the instant. A derivative that is a multiple of the identity is stored as that multiple.
+/// Derivatives of F_a and C_a with respect to node b's velocity u_j, its time derivative and its pressure at
+/// the instant. A derivative that is a multiple of the identity is stored as that multiple.
 template <int dim, class Real>
 struct InstantTangent {
   Real momentum_u[dim][dim]; ///< dF_i/du_j
@@ -175,20 +177,18 @@ struct InstantTangent {
   Real continuity_u[dim];    ///< dC/du_j
   Real continuity_rate[dim]; ///< dC/d(du_j/dt)
   Real continuity_p;         ///< dC/dp
-  Real time_u[dim][dim];     ///< dFt_i/du_j
-  Real time_rate;            ///< dFt_i/d(du_i/dt)
-  Real time_p[dim];          ///< dFt_i/dp
 };
 
 template <int dim, class Real>
 inline void instant_tangent(const Instant<dim, Real>& s, int a, int b,
                             InstantTangent<dim, Real>& t) noexcept {
+  using Number = Scalar<Real>;
   const Real* ga = s.geometry.gradient[a];
   const Real* gb = s.geometry.gradient[b];
   const Real V = s.weight;
-  const Real V_mean = node_mean<dim> * V;
+  const Real V_mean = Number(node_mean<dim>) * V;
   const Real tau = s.k.tau;
-  const Real mass = V * (node_pair<dim> * (a == b ? 2.0 : 1.0));
+  const Real mass = V * Number(node_pair<dim> * (a == b ? 2.0 : 1.0));
   const Real ga_gb = dot<dim>(ga, gb);
   Real streamline{}; // int (c . grad N_a)(c . grad N_b)
   for (int i = 0; i < dim; ++i) streamline += ga[i] * dot<dim>(s.cc[i], gb);
@@ -199,25 +199,20 @@ inline void instant_tangent(const Instant<dim, Real>& s, int a, int b,
   const Real tau_V_mean = tau * V_mean;
   const Real diagonal = s.advect[a][b] + tau * streamline + nu_V * ga_gb;
   const Real mass_advect = mass + tau * s.advect[b][a];
-  const Real tau_mass = s.k.tau_time * mass;
   for (int j = 0; j < dim; ++j) {
     Real projected{}; // sum_i ga_i du_i/dx_j
     for (int i = 0; i < dim; ++i) {
       t.momentum_u[i][j] = nu_V * ga[j] * gb[i] + lsic_V * ga[i] * gb[j] + mass_advect * s.dc_grad_u[i][j] +
                            ga[j] * s.tau_dc_r[b][i];
-      t.time_u[i][j] = tau_mass * s.dc_grad_u[i][j];
       projected += ga[i] * s.dc_grad_u[i][j];
     }
     t.momentum_u[j][j] += diagonal;
-    t.time_u[j][j] += s.k.tau_time * s.advect[a][b];
     t.momentum_p[j] = tau * V * c_ga * gb[j] - V_mean * ga[j];
     t.continuity_u[j] = V_mean * gb[j] + tau * V * c_gb * ga[j] + tau_V_mean * projected;
     t.continuity_rate[j] = tau_V_mean * ga[j];
-    t.time_p[j] = s.k.tau_time * V_mean * gb[j];
   }
   t.momentum_rate = mass_advect;
   t.continuity_p = tau * V * ga_gb;
-  t.time_rate = tau_mass;
 }
 
 } // namespace DROGUE_ISA

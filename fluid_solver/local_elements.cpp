@@ -25,7 +25,7 @@ LocalElements::LocalElements(const FluidMesh& mesh, const la::RowRange& own, con
     last = nodes;
     ++count;
   }
-  for (; count % batch_size != 0; ++count) append(last, false);
+  for (; count % (2 * batch_size) != 0; ++count) append(last, false);
   batches = count / batch_size;
   mark_first(pattern.column.size());
 }
@@ -34,9 +34,9 @@ void LocalElements::mark_first(std::size_t positions) {
   const auto nodes = static_cast<std::size_t>(dimension) + 1;
   const std::size_t pairs = nodes * nodes;
   std::vector<char> reached(positions, 0);
-  for (std::size_t batch = 0; batch < entry.size(); batch += batch_size * pairs)
+  for (std::size_t batch = 0; batch < entry.size(); batch += 2 * batch_size * pairs)
     for (std::size_t pair = 0; pair < pairs; ++pair) // in the order in which blocks are added
-      for (std::size_t l = 0; l < batch_size; ++l) {
+      for (std::size_t l = 0; l < 2 * batch_size; ++l) {
         std::int32_t& place = entry[batch + pairs * l + pair];
         if (place < 0) continue;
         char& before = reached[static_cast<std::size_t>(place / 2)];

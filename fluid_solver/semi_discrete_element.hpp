@@ -19,12 +19,11 @@ struct SemiDiscreteValues {
   Real stress[dim + 1][stress_components<dim>]; ///< recovered 2 nu S
 };
 
-/// residual[a] = (F_a, C_a); with `tangent`, calls sink(a, b, block) for all node pairs, block[4 j + i]
-/// the derivative of residual[a][i] with respect to w[b][j].
-template <bool tangent, int dim, class Real, class Rule, class Sink>
-inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, double rate,
-                                  const FlowParameters& parameters, const Rule& rule,
-                                  Real residual[dim + 1][4], Sink&& sink) noexcept {
+/// residual[a] = (F_a, C_a), and what its tangent needs.
+template <int dim, class Real, class Rule>
+inline void semi_discrete_residual(const SemiDiscreteValues<dim, Real>& in, double rate,
+                                   const FlowParameters& parameters, const Rule& rule,
+                                   Real residual[dim + 1][4], Instant<dim, Real>& s) noexcept {
   constexpr int nodes = dim + 1;
   const double convection = parameters.convection ? 1.0 : 0.0;
   InstantValues<dim, Real> v;
@@ -38,30 +37,36 @@ inline void semi_discrete_element(const SemiDiscreteValues<dim, Real>& in, doubl
     if (parameters.viscous_residual)
       for (int i = 0; i < stress_components<dim>; ++i) v.stress[a][i] = in.stress[a][i];
   }
-  Instant<dim, Real> s;
+  InstantResidual<dim, Real> instant;
   evaluate_instant<dim>(in.x, v, 1.0, rule, 0, parameters.newton && parameters.convection,
-                        parameters.viscous_residual, s);
+                        parameters.viscous_residual, s, instant);
   for (int a = 0; a < nodes; ++a) {
     residual[a][2] = Real{};
-    for (int d = 0; d < dim; ++d) residual[a][d] = s.momentum[a][d];
-    residual[a][3] = s.continuity[a];
+    for (int d = 0; d < dim; ++d) residual[a][d] = instant.momentum[a][d];
+    residual[a][3] = instant.continuity[a];
   }
-  if constexpr (tangent) {
-    InstantTangent<dim, Real> t;
-    Real block[16] = {};
-    for (int a = 0; a < nodes; ++a)
-      for (int b = 0; b < nodes; ++b) {
-        instant_tangent<dim>(s, a, b, t);
-        for (int j = 0; j < dim; ++j) {
-          for (int i = 0; i < dim; ++i) block[4 * j + i] = t.momentum_u[i][j];
-          block[4 * j + j] += rate * t.momentum_rate;
-          block[4 * j + 3] = t.continuity_u[j] + rate * t.continuity_rate[j];
-          block[12 + j] = t.momentum_p[j];
-        }
-        block[15] = t.continuity_p;
-        sink(a, b, block);
+}
+
+/// Calls sink(a, b, block) for all node pairs, block[4 j + i] the derivative of residual[a][i] with respect
+/// to w[b][j].
+template <int dim, class Real, class Sink>
+inline void semi_discrete_tangent(const Instant<dim, Real>& s, double rate, Sink&& sink) noexcept {
+  constexpr int nodes = dim + 1;
+  const auto du_dt = static_cast<Scalar<Real>>(rate);
+  InstantTangent<dim, Real> t;
+  Real block[16] = {};
+  for (int a = 0; a < nodes; ++a)
+    for (int b = 0; b < nodes; ++b) {
+      instant_tangent<dim>(s, a, b, t);
+      for (int j = 0; j < dim; ++j) {
+        for (int i = 0; i < dim; ++i) block[4 * j + i] = t.momentum_u[i][j];
+        block[4 * j + j] += du_dt * t.momentum_rate;
+        block[4 * j + 3] = t.continuity_u[j] + du_dt * t.continuity_rate[j];
+        block[12 + j] = t.momentum_p[j];
       }
-  }
+      block[15] = t.continuity_p;
+      sink(a, b, block);
+    }
 }
 
 } // namespace DROGUE_ISA

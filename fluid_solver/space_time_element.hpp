@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "fluid_solver/instant.hpp"
-#include "fluid_solver/slab_rule.hpp"
+#include "fluid_solver/slab_tangent.hpp"
 
 /// DSD/SST: P1 triangle or tetrahedron in space times linear, discontinuous in time, on the slab between the
 /// mesh at t_n and the mesh at t_{n+1} [tezduyar1992], [stein2001]. 8 unknowns a node: (u, p) at t_n^+ and
@@ -57,86 +56,39 @@ inline void values_in_slab(const SpaceTimeValues<dim, Real>& in, double theta, d
   }
 }
 
-/// The 8 x 8 tangent block (column-major) from those at the time points; jump: int N_a N_b at t_n.
-template <int points, int dim, class Real>
-inline void slab_tangent(const InstantTangent<dim, Real> t[points], Real jump, double dt,
-                         Real block[64]) noexcept {
-  constexpr SlabRule<points> slab;
-  const double D[2] = {-1.0 / dt, 1.0 / dt};
-  for (int be = 0; be < 2; ++be)
-    for (int al = 0; al < 2; ++al) {
-      double TT[points], TD[points], DT[points];
-      Real rate = al == 0 && be == 0 ? jump : Real{};
-      for (int k = 0; k < points; ++k) {
-        const double T[2] = {1.0 - slab.theta[k], slab.theta[k]};
-        TT[k] = T[al] * T[be];
-        TD[k] = T[al] * D[be];
-        DT[k] = D[al] * T[be];
-        rate += TD[k] * t[k].momentum_rate + (D[al] * D[be]) * t[k].time_rate;
-      }
-      const auto sum = [&](auto&& term) {
-        Real value = term(0);
-        for (int k = 1; k < points; ++k) value += term(k);
-        return value;
-      };
-      Real* q = block + 32 * be + 4 * al;
-      for (int j = 0; j < dim; ++j) {
-        for (int i = 0; i < dim; ++i)
-          q[8 * j + i] =
-              sum([&](int k) { return TT[k] * t[k].momentum_u[i][j] + DT[k] * t[k].time_u[i][j]; });
-        q[8 * j + j] += rate;
-        q[8 * j + 3] =
-            sum([&](int k) { return TT[k] * t[k].continuity_u[j] + TD[k] * t[k].continuity_rate[j]; });
-        q[24 + j] = sum([&](int k) { return TT[k] * t[k].momentum_p[j] + DT[k] * t[k].time_p[j]; });
-      }
-      q[27] = sum([&](int k) { return TT[k] * t[k].continuity_p; });
-    }
-}
-
-/// residual[a] = (R_(a,0)^u, R_(a,0)^p, R_(a,1)^u, R_(a,1)^p); with `tangent`, calls sink(a, b, block) for
-/// all node pairs, block[8 j + i] the derivative of residual[a][i] with respect to w[b][j].
-template <bool tangent, int points = 2, MeshVelocity mesh_velocity = MeshVelocity::subtracted, int dim,
-          class Real, class Rule, class Sink>
-inline void space_time_element(const SpaceTimeValues<dim, Real>& in, const FlowParameters& parameters,
-                               const Rule& rule, Real residual[dim + 1][8], Sink&& sink) noexcept {
+/// residual[a] = (R_(a,0)^u, R_(a,0)^p, R_(a,1)^u, R_(a,1)^p), and what its tangent needs.
+template <int points = 2, MeshVelocity mesh_velocity = MeshVelocity::subtracted, int dim, class Real,
+          class Rule>
+inline void space_time_residual(const SpaceTimeValues<dim, Real>& in, const FlowParameters& parameters,
+                                const Rule& rule, Real residual[dim + 1][8],
+                                SlabInstants<dim, points, Real>& s) noexcept {
   constexpr int nodes = dim + 1;
   constexpr SlabRule<points> slab;
   const double dt = parameters.dt;
-  const Real jump_V = node_pair<dim> * simplex_geometry(in.x_n).volume;
+  s.jump = node_pair<dim> * simplex_geometry(in.x_n).volume;
   for (int a = 0; a < nodes; ++a)
     for (int i = 0; i < 8; ++i) residual[a][i] = Real{};
   for (int d = 0; d < dim; ++d) {
     Real jump[nodes];
     Real sum{};
     for (int a = 0; a < nodes; ++a) sum += jump[a] = in.w[a][d] - in.u_n[a][d];
-    for (int a = 0; a < nodes; ++a) residual[a][d] = jump_V * (sum + jump[a]);
+    for (int a = 0; a < nodes; ++a) residual[a][d] = s.jump * (sum + jump[a]);
   }
-
-  Instant<dim, Real> s[points];
   for (int point = 0; point < points; ++point) {
     const double theta = slab.theta[point];
     Real x[nodes][dim];
     InstantValues<dim, Real> v;
     values_in_slab<mesh_velocity>(in, theta, dt, parameters.viscous_residual, x, v);
+    InstantResidual<dim, Real> at;
     evaluate_instant<dim>(x, v, slab.weight[point] * dt, rule, point, parameters.newton,
-                          parameters.viscous_residual, s[point]);
+                          parameters.viscous_residual, s.point[point], at);
     const double T[2] = {1.0 - theta, theta};
     const double D[2] = {-1.0 / dt, 1.0 / dt};
     for (int a = 0; a < nodes; ++a)
       for (int al = 0; al < 2; ++al) {
         for (int d = 0; d < dim; ++d)
-          residual[a][4 * al + d] += T[al] * s[point].momentum[a][d] + D[al] * s[point].time_test[a][d];
-        residual[a][4 * al + 3] += T[al] * s[point].continuity[a];
-      }
-  }
-  if constexpr (tangent) {
-    InstantTangent<dim, Real> t[points];
-    Real block[64] = {};
-    for (int a = 0; a < nodes; ++a)
-      for (int b = 0; b < nodes; ++b) {
-        for (int point = 0; point < points; ++point) instant_tangent<dim>(s[point], a, b, t[point]);
-        slab_tangent<points, dim>(t, jump_V * (a == b ? 2.0 : 1.0), dt, block);
-        sink(a, b, block);
+          residual[a][4 * al + d] += T[al] * at.momentum[a][d] + D[al] * at.time_test[a][d];
+        residual[a][4 * al + 3] += T[al] * at.continuity[a];
       }
   }
 }

@@ -64,12 +64,16 @@ double operations_of_element() {
     SpaceTimeValues<3, Counted> in;
     for (int a = 0; a < 4; ++a)
       for (int d = 0; d < 3; ++d) in.x_n[a][d] = in.x_np1[a][d] = corner[a][d];
-    space_time_element<true>(in, parameters, rule, r, ignore);
+    SlabInstants<3, 2, Counted> s;
+    space_time_residual(in, parameters, rule, r, s);
+    space_time_tangent(s, parameters.dt, ignore);
   } else {
     SemiDiscreteValues<3, Counted> in;
     for (int a = 0; a < 4; ++a)
       for (int d = 0; d < 3; ++d) in.x[a][d] = corner[a][d];
-    semi_discrete_element<true>(in, 1 / parameters.dt, parameters, rule, r, ignore);
+    Instant<3, Counted> s;
+    semi_discrete_residual(in, 1 / parameters.dt, parameters, rule, r, s);
+    semi_discrete_tangent(s, 1 / parameters.dt, ignore);
   }
   return static_cast<double>(Counted::operations);
 }

@@ -110,7 +110,9 @@ template <int dim>
 double semi_discrete_tangent_error() {
   return largest_tangent_error<SemiDiscreteValues<dim, double>, dim, 4>(
       instant_values<dim>(), [](const auto& v, const auto& rule, auto r, auto&& sink) {
-        semi_discrete_element<true>(v, 1.4 / parameters.dt, parameters, rule, r, sink);
+        Instant<dim, double> s;
+        semi_discrete_residual(v, 1.4 / parameters.dt, parameters, rule, r, s);
+        semi_discrete_tangent(s, 1.4 / parameters.dt, sink);
       });
 }
 
@@ -118,7 +120,9 @@ template <int dim, int time_points>
 double space_time_tangent_error() {
   return largest_tangent_error<SpaceTimeValues<dim, double>, dim, 8>(
       slab<dim>(), [](const auto& v, const auto& rule, auto r, auto&& sink) {
-        space_time_element<true, time_points>(v, parameters, rule, r, sink);
+        SlabInstants<dim, time_points, double> s;
+        space_time_residual<time_points>(v, parameters, rule, r, s);
+        space_time_tangent(s, parameters.dt, sink);
       });
 }
 
@@ -137,25 +141,36 @@ TEST(SpaceTimeElement, TangentWithThreeTimePointsMatchesToo) {
   EXPECT_LT((space_time_tangent_error<3, 3>()), 1e-8);
 }
 
-TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
+/// Lane l of a batch is the element made 1 % larger l times.
+template <int rows, int columns>
+void fill_lanes(Batch (&to)[rows][columns], const double (&from)[rows][columns]) {
+  for (int a = 0; a < rows; ++a)
+    for (int i = 0; i < columns; ++i)
+      for (int l = 0; l < batch_size; ++l) to[a][i][l] = from[a][i] * (1 + 0.01 * l);
+}
+
+TEST(SpaceTimeElement, BatchesGiveWhatEachElementGives) {
   const SpaceTimeValues<3, double> in = slab<3>();
   SpaceTimeValues<3, Batch> batch;
-  const auto fill = [](auto& to, const auto& from) {
-    for (int a = 0; a < 4; ++a)
-      for (std::size_t i = 0; i < std::extent_v<std::remove_reference_t<decltype(from)>, 1>; ++i)
-        for (int l = 0; l < batch_size; ++l) to[a][i][l] = from[a][i] * (1 + 0.01 * l);
-  };
-  fill(batch.x_n, in.x_n);
-  fill(batch.x_np1, in.x_np1);
-  fill(batch.u_n, in.u_n);
-  fill(batch.f_n, in.f_n);
-  fill(batch.f_np1, in.f_np1);
-  fill(batch.w, in.w);
-  fill(batch.stress_n, in.stress_n);
-  fill(batch.stress_np1, in.stress_np1);
+  fill_lanes(batch.x_n, in.x_n);
+  fill_lanes(batch.x_np1, in.x_np1);
+  fill_lanes(batch.u_n, in.u_n);
+  fill_lanes(batch.f_n, in.f_n);
+  fill_lanes(batch.f_np1, in.f_np1);
+  fill_lanes(batch.w, in.w);
+  fill_lanes(batch.stress_n, in.stress_n);
+  fill_lanes(batch.stress_np1, in.stress_np1);
+  const StandardCoefficients rule{parameters};
   Batch r8[4][8];
-  const auto ignore = [](int, int, const auto*) {};
-  space_time_element<false>(batch, parameters, StandardCoefficients{parameters}, r8, ignore);
+  SlabInstants<3, 2, Batch> s8;
+  space_time_residual(batch, parameters, rule, r8, s8);
+  SlabInstants<3, 2, Floats> s16;
+  narrow(s8, 0, s16);
+  narrow(s8, 1, s16);
+  std::vector<Floats> tangent16;
+  space_time_tangent(s16, parameters.dt, [&](int, int, const Floats* block) {
+    tangent16.insert(tangent16.end(), block, block + 64);
+  });
   for (int l = 0; l < batch_size; ++l) {
     SpaceTimeValues<3, double> one = in;
     const auto scale = [&](auto& array) {
@@ -165,9 +180,23 @@ TEST(SpaceTimeElement, BatchOfEightGivesWhatEachElementGives) {
     scale(one.x_n), scale(one.x_np1), scale(one.u_n), scale(one.f_n), scale(one.f_np1), scale(one.w);
     scale(one.stress_n), scale(one.stress_np1);
     double r[4][8];
-    space_time_element<false>(one, parameters, StandardCoefficients{parameters}, r, ignore);
+    SlabInstants<3, 2, double> s;
+    space_time_residual(one, parameters, rule, r, s);
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 8; ++i) EXPECT_NEAR(r8[a][i][l], r[a][i], 1e-12);
+    std::size_t k = 0;
+    double largest = 0;
+    double difference = 0; // of the tangent in single precision
+    space_time_tangent(s, parameters.dt, [&](int, int, const double* block) {
+      for (int i = 0; i < 64; ++i, ++k) {
+        largest = std::max(largest, std::abs(block[i]));
+        for (int half = 0; half < 2; ++half)
+          difference =
+              std::max(difference, std::abs(static_cast<double>(tangent16[k][8 * half + l]) - block[i]));
+      }
+    });
+    EXPECT_GT(largest, 0);
+    EXPECT_LT(difference, 1e-6 * largest);
   }
 }
 
