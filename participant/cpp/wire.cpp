@@ -86,20 +86,23 @@ void reserve(std::vector<T>& values, std::size_t count) {
   if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
-/// The values of a frame of the right size, and their checksum.
+/// The values of a frame of the right size, and their checksum. Piece by piece, so that they are copied while
+/// they are in the cache.
 template <class T>
 std::uint32_t copy(const zmq::message_t& frame, std::vector<T>& values) {
-  reserve(values, frame.size() / sizeof(T));
+  const std::size_t count = frame.size() / sizeof(T);
+  const auto* const bytes = static_cast<const std::byte*>(frame.data());
+  const bool aligned = reinterpret_cast<std::uintptr_t>(bytes) % alignof(T) == 0;
+  reserve(values, count);
   std::array<T, chunk> part;
   std::uint32_t crc = 0;
-  const auto* next = static_cast<const std::byte*>(frame.data());
-  for (std::size_t left = frame.size() / sizeof(T); left > 0;) {
-    const std::size_t n = std::min(left, chunk);
-    std::memcpy(part.data(), next, n * sizeof(T)); // a frame need not be aligned
-    crc = crc32(std::as_bytes(std::span(part).first(n)), crc);
-    values.insert(values.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(n));
-    next += n * sizeof(T);
-    left -= n;
+  for (std::size_t begin = 0; begin < count; begin += chunk) {
+    const std::size_t n = std::min(count - begin, chunk);
+    const T* next = reinterpret_cast<const T*>(bytes) + begin;
+    if (!aligned)
+      next = static_cast<const T*>(std::memcpy(part.data(), bytes + begin * sizeof(T), n * sizeof(T)));
+    crc = crc32(std::as_bytes(std::span(next, n)), crc);
+    values.insert(values.end(), next, next + n);
   }
   return crc;
 }
