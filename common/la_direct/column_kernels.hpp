@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/cache_lines.hpp"
+
 /// Triangular solutions with a sparse factor by columns, compiled for each instruction set. The right-hand
 /// sides lie side by side in memory, `lanes` in a row of y.
 namespace drogue::la {
@@ -26,8 +28,8 @@ inline constexpr int most_columns_together = 8;
 struct GroupedFactor {
   std::vector<std::int32_t> group{0};     ///< {groups + 1}: their first columns
   std::vector<std::int32_t> first_row{0}; ///< {groups + 1}: of `row`
-  std::vector<std::int32_t> row;
-  std::vector<double> value;
+  CacheLines<std::int32_t> row;
+  CacheLines<double> value;
 };
 [[nodiscard]] GroupedFactor grouped(const FactorColumns& factor);
 

@@ -31,9 +31,12 @@ std::vector<std::int32_t> columns_together(const FactorColumns& f) {
 GroupedFactor grouped(const FactorColumns& f) {
   GroupedFactor made;
   made.group = columns_together(f);
-  std::size_t entries = 0;
+  std::size_t entries = 0, rows_of_all = 0;
   for (std::int32_t k = 0; k < f.n; ++k) entries += static_cast<std::size_t>(f.count[k]);
+  for (std::size_t g = 1; g < made.group.size(); ++g)
+    rows_of_all += static_cast<std::size_t>(f.count[made.group[g] - 1] - 1);
   made.value.reserve(entries);
+  made.row.reserve(rows_of_all);
   for (std::size_t g = 0; g + 1 < made.group.size(); ++g) {
     const std::int32_t start = made.group[g], end = made.group[g + 1], last = end - 1;
     for (std::int32_t k = start; k < end; ++k) {

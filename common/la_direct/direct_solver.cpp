@@ -10,7 +10,6 @@
 #include <cholmod.h>
 #include <umfpack.h>
 
-#include "common/base/cache_lines.hpp"
 #include "common/la_direct/column_kernels.hpp"
 
 extern "C" {

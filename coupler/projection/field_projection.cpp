@@ -52,7 +52,33 @@ std::vector<std::int32_t> matching_nodes(const Surface& structure, const Surface
   return of_structure == of_fluid ? copy : std::vector<std::int32_t>{};
 }
 
-/// int N_b N_c dA over the reference area by the points of a curved element.
+/// The unknowns of each element.
+class ElementUnknowns {
+ public:
+  ElementUnknowns(const Elements& elements, const std::vector<std::int32_t>& unknown) {
+    for (std::int32_t e = 0; e < elements.count(); ++e) {
+      for (const std::int32_t node : elements.nodes(e))
+        unknowns_.push_back(unknown[static_cast<std::size_t>(node)]);
+      first_.push_back(unknowns_.size());
+    }
+  }
+  std::span<const std::int32_t> operator()(std::int32_t e) const {
+    const auto i = static_cast<std::size_t>(e);
+    return {unknowns_.data() + first_[i], first_[i + 1] - first_[i]};
+  }
+
+ private:
+  std::vector<std::int32_t> unknowns_;
+  std::vector<std::size_t> first_{0};
+};
+
+/// The area of a flat element over that of its parent domain.
+double flat_scale(mesh::ElementKind kind, std::span<const std::int32_t> nodes, const Surface& surface) {
+  return area_vector(element_shape(kind, 0, 0), gather(nodes, surface.reference)).norm();
+}
+
+/// int N_b N_c dA over the reference area by the points of a curved element, the same as those of its
+/// products with the structure.
 void add_curved_mass(const InterfaceQuadrature& quadrature, const InterfaceQuadrature::Element& element,
                      const Surface& fluid, std::vector<double>& masses) {
   const auto& rule = quadrature.rule(element);
@@ -69,46 +95,68 @@ void add_curved_mass(const InterfaceQuadrature& quadrature, const InterfaceQuadr
 
 } // namespace
 
-Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadrature,
-                                                const Surface& structure, const Surface& fluid) {
+Result<FieldProjection> FieldProjection::begin(const Surface& structure, const Surface& fluid) {
   FieldProjection made;
   made.structure_nodes_ = structure.node_count();
   made.copy_from_ = matching_nodes(structure, fluid);
   if (made.matching()) return made;
-
   Merged merged = merge_coincident(fluid.material, same_place * extent(structure.material));
-  // 1. The unknowns of each element, and its mass matrix by the same points as its products with the
-  // structure.
-  const auto& elements = quadrature.elements();
-  std::vector<std::int32_t> unknowns;
-  std::vector<std::size_t> first{0}, first_mass;
-  std::vector<double> curved_mass, scale;
-  for (const auto& element : elements) {
-    for (const std::int32_t i : element.nodes) unknowns.push_back(merged.group[static_cast<std::size_t>(i)]);
-    first.push_back(unknowns.size());
-    first_mass.push_back(curved_mass.size());
-    const bool flat = element.rule < 0;
-    if (!flat) add_curved_mass(quadrature, element, fluid, curved_mass);
-    scale.push_back(
-        flat ? area_vector(element_shape(element.kind, 0, 0), gather(element.nodes, fluid.reference)).norm()
-             : 1);
+  made.unknown_ = std::move(merged.group);
+  made.unknowns_ = merged.count;
+  const bool flat = std::all_of(fluid.blocks.begin(), fluid.blocks.end(),
+                                [](const mesh::ElementBlock& block) { return is_flat(block.kind); });
+  if (flat) DROGUE_TRY(made.factor_mass(fluid, nullptr));
+  return made;
+}
+
+/// M_f and its factor, in whose order the unknowns are then.
+/// @param quadrature may be null where all elements are flat
+Result<void> FieldProjection::factor_mass(const Surface& fluid, const InterfaceQuadrature* quadrature) {
+  const Elements elements(fluid);
+  std::vector<std::size_t> first;
+  std::vector<double> curved, scale;
+  for (std::int32_t e = 0; e < elements.count(); ++e) {
+    const bool flat = is_flat(elements.kind(e));
+    first.push_back(curved.size());
+    scale.push_back(flat ? flat_scale(elements.kind(e), elements.nodes(e), fluid) : 1);
+    if (!flat)
+      add_curved_mass(*quadrature, quadrature->elements()[static_cast<std::size_t>(e)], fluid, curved);
   }
-  const auto rows = [&](std::int32_t e) {
-    const auto i = static_cast<std::size_t>(e);
-    return std::span<const std::int32_t>(unknowns.data() + first[i], first[i + 1] - first[i]);
-  };
+  const ElementUnknowns rows(elements, unknown_);
   const auto mass = [&](std::int32_t e) {
     const auto i = static_cast<std::size_t>(e);
-    const bool flat = elements[i].rule < 0;
+    const bool flat = is_flat(elements.kind(e));
     return ElementPart{rows(e),
                        rows(e),
-                       flat ? flat_mass(elements[i].kind).data() : curved_mass.data() + first_mass[i],
-                       flat ? 3 : elements[i].nodes.size(),
+                       flat ? flat_mass(elements.kind(e)).data() : curved.data() + first[i],
+                       flat ? 3 : elements.nodes(e).size(),
                        1,
                        scale[i]};
   };
+  const Adjacency around = elements_around(unknowns_, elements.count(), rows);
+  auto factored = M_.factor(upper_triangle(sum_elements(unknowns_, unknowns_, around, mass, true)));
+  if (!factored) return factored.error();
+  if (!*factored)
+    return config_error("the mass matrix of the {} surface is singular: raise projection.quadrature_order",
+                        fluid.name);
+  std::vector<std::int32_t> place(static_cast<std::size_t>(unknowns_));
+  for (std::int32_t row = 0; const int equation : M_.order())
+    place[static_cast<std::size_t>(equation)] = row++;
+  for (std::int32_t& i : unknown_) i = place[static_cast<std::size_t>(i)];
+  is_factored_ = true;
+  return {};
+}
+
+Result<void> FieldProjection::end(const InterfaceQuadrature& quadrature, const Surface& structure,
+                                  const Surface& fluid) {
+  if (matching()) return {};
+  if (!is_factored_) DROGUE_TRY(factor_mass(fluid, &quadrature));
+  const ElementUnknowns rows(quadrature.fluid_elements(), unknown_);
+  std::vector<double> scale;
+  for (const auto& element : quadrature.elements())
+    scale.push_back(element.rule < 0 ? flat_scale(element.kind, element.nodes, fluid) : 1);
   const auto cross = [&](std::int32_t e) {
-    const auto& element = elements[static_cast<std::size_t>(e)];
+    const auto& element = quadrature.elements()[static_cast<std::size_t>(e)];
     return ElementPart{rows(e),
                        quadrature.block_nodes(element),
                        quadrature.block(element),
@@ -116,27 +164,9 @@ Result<FieldProjection> FieldProjection::create(const InterfaceQuadrature& quadr
                        element.nodes.size(),
                        scale[static_cast<std::size_t>(e)]};
   };
-  // 2. M_f and its factor, in whose order the unknowns then are.
-  const auto elements_of = [&] {
-    return elements_around(merged.count, static_cast<std::int32_t>(elements.size()), rows);
-  };
-  const la::SparseMatrix M_f =
-      upper_triangle(sum_elements(merged.count, merged.count, elements_of(), mass, true));
-  auto factored = made.M_.factor(M_f);
-  if (!factored) return factored.error();
-  if (!*factored)
-    return config_error("the mass matrix of the {} surface is singular: raise projection.quadrature_order",
-                        fluid.name);
-  std::vector<std::int32_t> place(static_cast<std::size_t>(merged.count));
-  for (std::int32_t row = 0; const int equation : made.M_.order())
-    place[static_cast<std::size_t>(equation)] = row++;
-  for (std::vector<std::int32_t>* numbers : {&merged.group, &unknowns})
-    for (std::int32_t& i : *numbers) i = place[static_cast<std::size_t>(i)];
-  made.unknown_ = std::move(merged.group);
-  // 3. B.
-  made.B_ =
-      sum_elements(merged.count, static_cast<std::int32_t>(structure.node_count()), elements_of(), cross);
-  return made;
+  const Adjacency around = elements_around(unknowns_, quadrature.fluid_elements().count(), rows);
+  B_ = sum_elements(unknowns_, static_cast<std::int32_t>(structure.node_count()), around, cross);
+  return {};
 }
 
 void FieldProjection::copy(const Transfer& field, std::size_t c) const {

@@ -23,9 +23,12 @@ namespace drogue::projection {
 /// Cost of one component: 2 nnz(B) + 4 nnz(L) flops; L is CHOLMOD's factor of M_f.
 class FieldProjection {
  public:
+  /// Finds the unknowns, and where all of the fluid's elements are flat factors M_f.
   /// Errors (ErrorKind::internal): CHOLMOD; (ErrorKind::config): M_f is singular.
-  [[nodiscard]] static Result<FieldProjection> create(const InterfaceQuadrature& quadrature,
-                                                      const Surface& structure, const Surface& fluid);
+  [[nodiscard]] static Result<FieldProjection> begin(const Surface& structure, const Surface& fluid);
+  /// Makes B, and M_f where it is still to be made. Errors as begin().
+  [[nodiscard]] Result<void> end(const InterfaceQuadrature& quadrature, const Surface& structure,
+                                 const Surface& fluid);
 
   /// From `structure` {structure nodes, components} to `fluid` {fluid nodes, components}.
   struct Transfer {
@@ -46,10 +49,13 @@ class FieldProjection {
  private:
   void copy(const Transfer& field, std::size_t components) const;
   void project(std::span<const Transfer> fields, std::size_t components);
+  [[nodiscard]] Result<void> factor_mass(const Surface& fluid, const InterfaceQuadrature* quadrature);
 
   std::size_t structure_nodes_ = 0;
   std::vector<std::int32_t> copy_from_; ///< {fluid nodes}: structure node; empty unless matching
-  std::vector<std::int32_t> unknown_;   ///< {fluid nodes}: row of the factor of M_f, and of B
+  bool is_factored_ = false;
+  std::int32_t unknowns_ = 0;
+  std::vector<std::int32_t> unknown_; ///< {fluid nodes}: row of the factor of M_f, and of B
   Eigen::SparseMatrix<double, Eigen::RowMajor, int> B_;
   la::CholeskySolver M_{la::CholeskySolver::Use::many_solutions};
   CacheLines<double> source_, solution_; ///< {structure nodes or unknowns, four values a field}

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "coupler/projection/interface.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "common/base/worker_pool.hpp"
 
 namespace drogue::projection {
 
@@ -22,10 +26,17 @@ Result<Interface> make_interface(Surface structure, Surface fluid, const Setting
     return config_error("the {} surface is made of {}, the {} surface of {}: both must be of the same kind",
                         structure.name, structure.dimension() == 1 ? "lines" : "faces", fluid.name,
                         fluid.dimension() == 1 ? "lines" : "faces");
-  auto quadrature = InterfaceQuadrature::create(structure, fluid, settings);
+  // The products of both surfaces, and beside them what the fluid's surface needs alone.
+  auto quadrature = Result<InterfaceQuadrature>(InterfaceQuadrature());
+  auto field = Result<FieldProjection>(FieldProjection());
+  WorkerPool workers(std::min(default_threads(), 2));
+  workers.run([&](int worker) {
+    if (worker == 0) quadrature = InterfaceQuadrature::create(structure, fluid, settings);
+    if (worker == workers.size() - 1) field = FieldProjection::begin(structure, fluid);
+  });
   if (!quadrature) return quadrature.error();
-  auto field = FieldProjection::create(*quadrature, structure, fluid);
   if (!field) return field.error();
+  DROGUE_TRY(field->end(*quadrature, structure, fluid));
   MatchReport report = quadrature->report();
   auto load = LoadTransfer::create(std::move(*quadrature), structure, fluid, settings.recover_traction);
   if (!load) return load.error();
@@ -33,24 +44,39 @@ Result<Interface> make_interface(Surface structure, Surface fluid, const Setting
   return Interface{std::move(structure), std::move(fluid), std::move(*field), std::move(*load), report};
 }
 
-double projection_defect(const Interface& interface, std::span<const double> structure,
-                         std::span<const double> fluid) noexcept {
-  if (interface.field.matching()) return 0;
+namespace {
+
+using Weights = std::array<double, fem::max_surface_nodes>;
+
+Eigen::Vector3d value(std::span<const std::int32_t> nodes, const Weights& N, std::span<const double> d) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    sum += N[a] * Eigen::Map<const Eigen::Vector3d>(d.data() + 3 * static_cast<std::size_t>(nodes[a]));
+  return sum;
+}
+
+} // namespace
+
+void projection_defects(const Interface& interface, std::span<const ProjectedField> fields,
+                        std::span<double> defects) noexcept {
+  std::fill(defects.begin(), defects.end(), 0.0);
+  if (interface.field.matching()) return;
   const InterfaceQuadrature& quadrature = interface.load.quadrature();
-  const auto value = [](const Elements& elements, std::int32_t e, const std::array<double, 2>& at,
-                        std::span<const double> d) {
-    const ElementShape shape = element_shape(elements.kind(e), at[0], at[1]);
-    return combine(shape.N, shape.nodes, gather(elements.nodes(e), d));
-  };
-  double missed = 0, whole = 0;
+  const Elements &on_structure = quadrature.structure_elements(), &on_fluid = quadrature.fluid_elements();
+  std::array<double, most_fields_at_once> missed{}, whole{};
   for (const InterfaceQuadrature::Sample& s : quadrature.samples()) {
-    const Eigen::Vector3d d_s = value(quadrature.structure_elements(), s.structure_element, s.on_structure,
-                                      structure),
-                          d_f = value(quadrature.fluid_elements(), s.fluid_element, s.on_fluid, fluid);
-    missed += s.weight * (d_f - d_s).squaredNorm();
-    whole += s.weight * d_s.squaredNorm();
+    const Weights
+        N_s = element_shape(on_structure.kind(s.structure_element), s.on_structure[0], s.on_structure[1]).N,
+        N_f = element_shape(on_fluid.kind(s.fluid_element), s.on_fluid[0], s.on_fluid[1]).N;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const Eigen::Vector3d d_s = value(on_structure.nodes(s.structure_element), N_s, fields[i].structure),
+                            d_f = value(on_fluid.nodes(s.fluid_element), N_f, fields[i].fluid);
+      missed[i] += s.weight * (d_f - d_s).squaredNorm();
+      whole[i] += s.weight * d_s.squaredNorm();
+    }
   }
-  return whole > 0 ? std::sqrt(missed / whole) : 0;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (whole[i] > 0) defects[i] = std::sqrt(missed[i] / whole[i]);
 }
 
 } // namespace drogue::projection

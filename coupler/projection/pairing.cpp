@@ -18,6 +18,8 @@ namespace {
 
 constexpr int max_subdivisions = 16;
 constexpr int max_refinements = 2;
+/// Nodes of the structure that a triangle meets, where both meshes are about as fine.
+constexpr std::size_t usual_rows = 8;
 /// Enough to tell the mean of a square to some per cent.
 constexpr std::size_t most_samples = 20000;
 /// Two fluid layers lie on one another when they are this close, relative to the size.
@@ -75,8 +77,6 @@ InterfaceQuadrature Pairing::make() {
   for (const Sampled& s : sampled_) sum_points(s);
   finish();
   sample_for_defects();
-  made_.block_nodes_.shrink_to_fit();
-  made_.block_values_.shrink_to_fit();
   return std::move(made_);
 }
 
@@ -106,6 +106,10 @@ void Pairing::tile() {
     return;
   }
   TriangleTiling tiling(on_structure_, structure_.material, structure_.node_count());
+  // Room that is not needed stays untouched; arrays that grow would stand in memory twice.
+  const std::size_t rows = usual_rows * static_cast<std::size_t>(on_fluid_.count());
+  made_.block_nodes_.reserve(rows);
+  made_.block_values_.reserve(3 * rows);
   std::int32_t seed = -1;
   for (std::int32_t e = 0; e < on_fluid_.count(); ++e)
     if (on_fluid_.kind(e) != ElementKind::tri3 || !tile_element(tiling, e, seed)) sample(e);

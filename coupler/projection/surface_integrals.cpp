@@ -59,10 +59,17 @@ SurfaceIntegrals::SurfaceIntegrals(const Surface& surface)
   }
   const auto n = static_cast<std::int32_t>(surface.node_count());
   const auto nodes_of = [&](std::int32_t e) { return elements.nodes(e); };
-  M_ = sum_elements(n, n, elements_around(n, elements.count(), nodes_of), [&](std::int32_t e) {
-    const auto nodes = elements.nodes(e);
-    return ElementPart{nodes, nodes, values.data() + first[static_cast<std::size_t>(e)], nodes.size(), 1, 1};
-  });
+  M_ = sum_elements(
+      n, n, elements_around(n, elements.count(), nodes_of),
+      [&](std::int32_t e) {
+        const auto nodes = elements.nodes(e);
+        return ElementPart{nodes,        nodes, values.data() + first[static_cast<std::size_t>(e)],
+                           nodes.size(), 1,     1};
+      },
+      true);
+  for (int i = 0; i < n; ++i) // for v^T M v, the triangle above the diagonal is counted with that below
+    for (int k = M_.outerIndexPtr()[i]; k < M_.outerIndexPtr()[i + 1]; ++k)
+      if (M_.innerIndexPtr()[k] != i) M_.valuePtr()[k] *= 2;
 }
 
 double SurfaceIntegrals::norm(std::span<const double> v, int components) const noexcept {

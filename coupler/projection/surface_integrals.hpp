@@ -32,8 +32,8 @@ class SurfaceIntegrals {
 
  private:
   double area_ = 0;
-  Eigen::SparseMatrix<double, Eigen::RowMajor, int> M_;
-  std::vector<double> integral_; ///< {n}: int N_a dA
+  Eigen::SparseMatrix<double, Eigen::RowMajor, int> M_; ///< diagonal, and twice what lies below it
+  std::vector<double> integral_;                        ///< {n}: int N_a dA
   std::vector<double> lumped_;
 };
 

@@ -145,8 +145,11 @@ Result<void> Exchange::transfer_load(const FloatArray& load, LoadShare share, st
   record.moment_structure = to_array(on_structure.moment);
   record.power_fluid = on_fluid.power;
   record.power_structure = on_structure.power;
-  record.displacement_defect = projection::projection_defect(interface_, d, fluid_d_);
-  record.velocity_defect = projection::projection_defect(interface_, v, fluid_v_);
+  const std::array<projection::ProjectedField, 2> projected{{{d, fluid_d_}, {v, fluid_v_}}};
+  std::array<double, 2> defects{};
+  projection::projection_defects(interface_, projected, defects);
+  record.displacement_defect = defects[0];
+  record.velocity_defect = defects[1];
   if (first_force_.empty()) first_force_ = force_;
   for (double& f : force_) f *= share.factor;
   given_force_ = force_;
