@@ -11,7 +11,8 @@
 namespace drogue::mesh {
 namespace {
 
-constexpr int most_components = 9; ///< of a field: a tensor's
+constexpr std::size_t most_groups = 100; ///< of an entity: its elements are copied for each
+constexpr int most_components = 9;       ///< of a field: a tensor's
 
 /// Gmsh's names of the types 1 to 19.
 constexpr std::array<const char*, 20> type_names{"",
@@ -110,10 +111,13 @@ class Parser {
         std::vector<int>& groups = groups_of_[{dimension, whole()}];
         for (std::size_t k = 0; k < box; ++k) (void)cursor_.number<double>();
         const std::size_t groups_here = cursor_.count(size(), 1, "physical groups");
-        for (std::size_t k = 0; k < groups_here; ++k) groups.push_back(group());
+        if (groups.size() + groups_here > most_groups)
+          cursor_.fail("an entity in {} physical groups: at most {} expected", groups.size() + groups_here,
+                       most_groups);
+        for (std::size_t k = 0; k < groups_here && good(); ++k) groups.push_back(group());
         if (dimension == 0) continue;
         const std::size_t bounds = cursor_.count(size(), 1, "bounding entities");
-        for (std::size_t k = 0; k < bounds; ++k) (void)whole();
+        for (std::size_t k = 0; k < bounds && good(); ++k) (void)whole();
       }
     }
   }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <string>
 #include <utility>
 
 #include "common/mesh/msh.hpp"
@@ -110,6 +111,14 @@ TEST(DamagedMshText, OldTextSaysWhatAndWhere) {
   EXPECT_THAT(refused("2 2 \"wall\"", "2 2 wall"), HasSubstr(".msh:6: a name in quotes expected"));
   EXPECT_THAT(refused("2.2 0 8", "3 0 8"), HasSubstr("version 3: save the mesh in version 4.1 or 2.2"));
   EXPECT_THAT(refused("2.2 0 8", "2.2 0 4"), HasSubstr("numbers of 4 bytes"));
+}
+
+TEST(DamagedMshText, EntitiesAreInFewGroups) {
+  const std::string volume = " 1.0000001 1 1 6 1 2 3 4 5 6";
+  std::string many;
+  for (int group = 1; group <= 101; ++group) many += " " + std::to_string(group);
+  EXPECT_THAT(refusal(replaced(corpus("ascii41"), volume, " 1.0000001 101" + many + " 6 1 2 3 4 5 6")),
+              HasSubstr(".msh:37: an entity in 101 physical groups: at most 100 expected"));
 }
 
 TEST(DamagedMshText, BinarySaysWhatAndWhere) {
