@@ -81,7 +81,7 @@ endfunction()
 # drogue_kernels(NAME SOURCE...)
 # Compiles sources of the library drogue_NAME once for each instruction set of common/base/isa.hpp, with DROGUE_ISA
 # defined to its name. What such a source defines must stand in a namespace of that name or be local to it: a function
-# that two objects share would be taken from either (the test kernel_symbols_test looks).
+# that two objects share would be taken from either (the test kernel_symbols_test looks). Kernels throw nothing.
 set(drogue_isas baseline avx2 avx512)
 set(drogue_isa_flags_avx2 -march=x86-64-v3)
 set(drogue_isa_flags_avx512 -march=x86-64-v4 -mprefer-vector-width=512)
@@ -91,7 +91,7 @@ function(drogue_kernels name)
     add_library(drogue_${name}_${isa} OBJECT ${ARGN})
     target_include_directories(drogue_${name}_${isa} PRIVATE ${CMAKE_SOURCE_DIR})
     target_compile_definitions(drogue_${name}_${isa} PRIVATE DROGUE_ISA=${isa})
-    target_compile_options(drogue_${name}_${isa} PRIVATE -ffp-contract=fast ${drogue_isa_flags_${isa}})
+    target_compile_options(drogue_${name}_${isa} PRIVATE -ffp-contract=fast -fno-exceptions ${drogue_isa_flags_${isa}})
     target_link_libraries(drogue_${name}_${isa} PRIVATE ${libraries})
     set_target_properties(drogue_${name}_${isa} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_sources(drogue_${name} PRIVATE $<TARGET_OBJECTS:drogue_${name}_${isa}>)

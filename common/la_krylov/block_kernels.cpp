@@ -51,7 +51,7 @@ std::uint32_t upper_half(float value) {
 
 /// Halves blocks in place: they fill the first half of their memory.
 template <int n>
-void halve(std::size_t entries, float* A) noexcept {
+void halve(std::size_t entries, float* A) {
   auto* to = reinterpret_cast<char*>(A);
   for (std::size_t k = 0; k < entries; ++k) {
     const float* block = A + k * n * n;
@@ -60,6 +60,32 @@ void halve(std::size_t entries, float* A) noexcept {
       for (int i = 0; i < n; ++i)
         words[m * n + i] = upper_half(block[(2 * m + 1) * n + i]) | (upper_half(block[2 * m * n + i]) >> 16);
     std::memcpy(to + k * sizeof(words), words, sizeof(words));
+  }
+}
+
+/// End of row i's entries within the square part.
+inline std::int32_t square_end(const BlockRows& p, std::int32_t i) {
+  std::int32_t end = p.row_start[i + 1];
+  while (p.column[end - 1] >= p.rows) --end;
+  return end;
+}
+
+template <int n>
+void pack(const BlockRows& p, float* A) noexcept {
+  constexpr std::size_t size = n * n * sizeof(float) / 2;
+  const auto entries = static_cast<std::size_t>(p.row_start[p.rows]);
+  halve<n>(entries, A);
+  const auto* from = reinterpret_cast<const char*>(A);
+  auto* to = reinterpret_cast<char*>(A) + size * entries;
+  const auto move = [&](std::int32_t first, std::int32_t last) {
+    const std::size_t bytes = size * static_cast<std::size_t>(last - first);
+    std::memcpy(to, from + size * static_cast<std::size_t>(first), bytes);
+    to += bytes;
+  };
+  for (std::int32_t i = 0; i < p.rows; ++i) move(p.row_start[i], p.diagonal[i]);
+  for (std::int32_t i = p.rows - 1; i >= 0; --i) {
+    move(p.diagonal[i] + 1, square_end(p, i));
+    move(p.diagonal[i], p.diagonal[i] + 1);
   }
 }
 
@@ -94,13 +120,23 @@ bool invert(const float* block, float* inverse) {
   return true;
 }
 
+/// Calls row(i) for all rows, alternating between four equal shares of them: memory is fetched
+/// ahead for each place that is read in order, and one such place does not use what it can give.
+template <class Row>
+inline void rows_of_four_shares(const BlockRows& p, Row&& row) {
+  const std::int32_t share = (p.rows + 3) / 4;
+  for (std::int32_t i = 0; i < share; ++i)
+    for (std::int32_t first = 0; first < p.rows; first += share)
+      if (first + i < p.rows) row(first + i);
+}
+
 template <int n>
 void multiply(const BlockRows& p, const float* A, const double* x, double* y) noexcept {
   using Wide = Column<double, n>;
-  const float* b = A;
-  for (std::int32_t i = 0; i < p.rows; ++i) {
+  rows_of_four_shares(p, [&](std::int32_t i) {
     Wide even{};
     Wide odd{};
+    const float* b = A + static_cast<std::ptrdiff_t>(p.row_start[i]) * n * n;
     for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k, b += n * n) {
       const double* xj = x + static_cast<std::ptrdiff_t>(p.column[k]) * n;
       for (int j = 0; j < n; j += 2) {
@@ -109,7 +145,7 @@ void multiply(const BlockRows& p, const float* A, const double* x, double* y) no
       }
     }
     column<n>(y, i) = even + odd;
-  }
+  });
 }
 
 template <int n>
@@ -123,8 +159,8 @@ template <int n>
 void fourth_row_defect(const BlockRows& p, const float* fourth_rows, const double* r, const double* x,
                        double* out) noexcept {
   using Wide = Column<double, n>;
-  const float* b = fourth_rows;
-  for (std::int32_t i = 0; i < p.rows; ++i) {
+  rows_of_four_shares(p, [&](std::int32_t i) {
+    const float* b = fourth_rows + static_cast<std::ptrdiff_t>(p.row_start[i]) * (n * n / 4);
     Wide sum[n / 4] = {};
     for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k, b += n * n / 4) {
       const Wide xj = column<n>(x, p.column[k]);
@@ -136,7 +172,7 @@ void fourth_row_defect(const BlockRows& p, const float* fourth_rows, const doubl
       out[static_cast<std::ptrdiff_t>(i) * (n / 4) + q] =
           r[static_cast<std::ptrdiff_t>(i) * n + 4 * q + 3] - total;
     }
-  }
+  });
 }
 
 template <int n>
@@ -180,22 +216,25 @@ std::int32_t factor(const BlockRows& p, float* A, std::int32_t* position) noexce
 template <int n>
 void solve(const BlockRows& p, const float* LU, const double* r, float* x, double* z) noexcept {
   using Vector = Column<float, n>;
-  const auto* words = reinterpret_cast<const std::uint32_t*>(LU);
-  const auto block = [&](std::int32_t k) { return words + static_cast<std::ptrdiff_t>(k) * (n * n / 2); };
+  constexpr std::ptrdiff_t size = n * n / 2; // words
+  const auto entries = static_cast<std::ptrdiff_t>(p.row_start[p.rows]);
+  const auto* block = reinterpret_cast<const std::uint32_t*>(LU) + size * entries;
   const auto part = [&](std::int32_t i) { return x + static_cast<std::ptrdiff_t>(i) * n; };
   for (std::int32_t i = 0; i < p.rows; ++i) {
     Vector sum[4] = {__builtin_convertvector(column<n>(r, i), Vector)};
-    for (std::int32_t k = p.row_start[i]; k < p.diagonal[i]; ++k)
-      subtract_product<n>(block(k), part(p.column[k]), sum);
+    for (std::int32_t k = p.row_start[i]; k < p.diagonal[i]; ++k, block += size)
+      subtract_product<n>(block, part(p.column[k]), sum);
     column<n>(x, i) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
   for (std::int32_t i = p.rows - 1; i >= 0; --i) {
     Vector sum[4] = {column<n>(x, i)};
-    for (std::int32_t k = p.diagonal[i] + 1; k < p.row_start[i + 1] && p.column[k] < p.rows; ++k)
-      subtract_product<n>(block(k), part(p.column[k]), sum);
+    const std::int32_t end = p.row_start[i + 1];
+    for (std::int32_t k = p.diagonal[i] + 1; k < end && p.column[k] < p.rows; ++k, block += size)
+      subtract_product<n>(block, part(p.column[k]), sum);
     column<n>(x, i) = -((sum[0] + sum[1]) + (sum[2] + sum[3]));
     Vector solved[4] = {};
-    subtract_product<n>(block(p.diagonal[i]), part(i), solved);
+    subtract_product<n>(block, part(i), solved);
+    block += size;
     const Vector value = (solved[0] + solved[1]) + (solved[2] + solved[3]);
     column<n>(x, i) = value;
     column<n>(z, i) = __builtin_convertvector(value, Column<double, n>);
@@ -205,8 +244,8 @@ void solve(const BlockRows& p, const float* LU, const double* r, float* x, doubl
 } // namespace
 
 const BlockKernels<4> block_kernels_4{
-    multiply<4>, copy_fourth_rows<4>, fourth_row_defect<4>, factor<4>, halve<4>, solve<4>};
+    multiply<4>, copy_fourth_rows<4>, fourth_row_defect<4>, factor<4>, pack<4>, solve<4>};
 const BlockKernels<8> block_kernels_8{
-    multiply<8>, copy_fourth_rows<8>, fourth_row_defect<8>, factor<8>, halve<8>, solve<8>};
+    multiply<8>, copy_fourth_rows<8>, fourth_row_defect<8>, factor<8>, pack<8>, solve<8>};
 
 } // namespace drogue::la::DROGUE_ISA

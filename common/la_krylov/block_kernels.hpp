@@ -28,9 +28,11 @@ struct BlockKernels {
   /// Incomplete factorisation in place; position {columns} holds -1 before and after. Returns the row of a
   /// singular pivot, or -1.
   std::int32_t (*factor)(const BlockRows& p, float* A, std::int32_t* position) noexcept;
-  /// Rounds the values to 16 bits, two columns in a word; they then fill the first half of their memory.
-  void (*halve)(std::size_t entries, float* A) noexcept;
-  /// z = (L U)^-1 r with the halved factor; work {rows, n}.
+  /// Rounds the factor's values to 16 bits, two columns in a word, and puts them into the second half of
+  /// their memory in the order in which solve() reads them: L row by row, then from the last row on the row
+  /// of U and its pivot's inverse. So nothing is fetched that is not wanted then.
+  void (*pack)(const BlockRows& p, float* A) noexcept;
+  /// z = (L U)^-1 r with the packed factor; work {rows, n}.
   void (*solve)(const BlockRows& p, const float* LU, const double* r, float* work, double* z) noexcept;
 };
 

@@ -65,7 +65,7 @@ std::optional<std::int32_t> BlockIlu<n>::factor(const BlockMatrix<n>& A) {
   const std::int32_t singular =
       block_kernels<n>().factor(rows_of(*pattern_), values_.data(), position_.data());
   if (singular >= 0) return singular;
-  block_kernels<n>().halve(pattern_->column.size(), values_.data());
+  block_kernels<n>().pack(rows_of(*pattern_), values_.data());
   return std::nullopt;
 }
 
