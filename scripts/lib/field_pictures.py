@@ -187,6 +187,7 @@ def draw_flow(file: pathlib.Path, structure: pathlib.Path | None, axes, window: 
     add(renderer, section, "speed", colour_table(FLOW, scale), lighting=False)
     mesh = add(renderer, edges_of(section), colour=(1, 1, 1), width=1, lighting=False)
     mesh.GetProperty().SetOpacity(0.18)
+    mesh.AddPosition(5e-3 * height, 0, 0)  # before the section, the cloth before both
     if cloth:
         outline = add(renderer, cut(cloth, centre), colour=(0.95, 0.2, 0.15), width=5, lighting=False)
         outline.AddPosition(1e-2 * height, 0, 0)

@@ -134,7 +134,7 @@ def draw_vectors(runs: list[tuple[str, np.ndarray, dict[str, np.ndarray]]], labe
                     axis.plot(time, found[name][:, component], color=colour, lw=1.4, ls="-" if run == 0 else "--",
                               label="xyz"[component] + (f", {of}" if len(runs) > 1 else ""))
             axis.set_ylabel(f"{name}\n{label}")
-    axes[0, 0].legend(frameon=False, ncol=3, fontsize="small")
+    axes[0, 0].legend(frameon=False, ncol=3, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1))
     axes[-1, 0].set_xlabel("time")
     figure.align_ylabels()
     figure.tight_layout()
