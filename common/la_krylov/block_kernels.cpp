@@ -120,23 +120,13 @@ bool invert(const float* block, float* inverse) {
   return true;
 }
 
-/// Calls row(i) for all rows, alternating between four equal shares of them: memory is fetched
-/// ahead for each place that is read in order, and one such place does not use what it can give.
-template <class Row>
-inline void rows_of_four_shares(const BlockRows& p, Row&& row) {
-  const std::int32_t share = (p.rows + 3) / 4;
-  for (std::int32_t i = 0; i < share; ++i)
-    for (std::int32_t first = 0; first < p.rows; first += share)
-      if (first + i < p.rows) row(first + i);
-}
-
 template <int n>
 void multiply(const BlockRows& p, const float* A, const double* x, double* y) noexcept {
   using Wide = Column<double, n>;
-  rows_of_four_shares(p, [&](std::int32_t i) {
+  const float* b = A;
+  for (std::int32_t i = 0; i < p.rows; ++i) {
     Wide even{};
     Wide odd{};
-    const float* b = A + static_cast<std::ptrdiff_t>(p.row_start[i]) * n * n;
     for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k, b += n * n) {
       const double* xj = x + static_cast<std::ptrdiff_t>(p.column[k]) * n;
       for (int j = 0; j < n; j += 2) {
@@ -145,7 +135,7 @@ void multiply(const BlockRows& p, const float* A, const double* x, double* y) no
       }
     }
     column<n>(y, i) = even + odd;
-  });
+  }
 }
 
 template <int n>
@@ -159,8 +149,8 @@ template <int n>
 void fourth_row_defect(const BlockRows& p, const float* fourth_rows, const double* r, const double* x,
                        double* out) noexcept {
   using Wide = Column<double, n>;
-  rows_of_four_shares(p, [&](std::int32_t i) {
-    const float* b = fourth_rows + static_cast<std::ptrdiff_t>(p.row_start[i]) * (n * n / 4);
+  const float* b = fourth_rows;
+  for (std::int32_t i = 0; i < p.rows; ++i) {
     Wide sum[n / 4] = {};
     for (std::int32_t k = p.row_start[i]; k < p.row_start[i + 1]; ++k, b += n * n / 4) {
       const Wide xj = column<n>(x, p.column[k]);
@@ -172,7 +162,7 @@ void fourth_row_defect(const BlockRows& p, const float* fourth_rows, const doubl
       out[static_cast<std::ptrdiff_t>(i) * (n / 4) + q] =
           r[static_cast<std::ptrdiff_t>(i) * n + 4 * q + 3] - total;
     }
-  });
+  }
 }
 
 template <int n>
