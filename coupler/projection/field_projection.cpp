@@ -182,19 +182,24 @@ void FieldProjection::project(std::span<const Transfer> fields, std::size_t c) {
   const auto rows = static_cast<std::size_t>(B_.rows());
   source_.assign(structure_nodes_ * lanes, 0.0);
   solution_.resize(rows * lanes);
-  for (std::size_t f = 0; f < fields.size(); ++f)
-    for (std::size_t i = 0; i < structure_nodes_; ++i)
-      for (std::size_t k = 0; k < c; ++k)
-        source_[i * lanes + 4 * f + k] = fields[f].structure[i * c + k] - fields[f].structure[k];
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const double* given = fields[f].structure.data();
+    for (std::size_t i = 0; i < structure_nodes_; ++i) {
+      double* row = source_.data() + i * lanes + 4 * f;
+      for (std::size_t k = 0; k < c; ++k) row[k] = given[i * c + k] - given[k];
+    }
+  }
   const RowMatrix B{static_cast<std::int32_t>(rows), B_.outerIndexPtr(), B_.innerIndexPtr(), B_.valuePtr()};
   const ProjectionKernels& kernels = projection_kernels();
   (lanes == 4 ? kernels.multiply_4 : kernels.multiply_8)(B, source_.data(), solution_.data());
   M_.solve_rows(solution_, static_cast<int>(lanes));
-  for (std::size_t f = 0; f < fields.size(); ++f)
-    for (std::size_t i = 0; i < unknown_.size(); ++i)
-      for (std::size_t k = 0; k < c; ++k)
-        fields[f].fluid[i * c + k] =
-            fields[f].structure[k] + solution_[static_cast<std::size_t>(unknown_[i]) * lanes + 4 * f + k];
+  for (std::size_t f = 0; f < fields.size(); ++f) {
+    const double* given = fields[f].structure.data();
+    for (std::size_t i = 0; i < unknown_.size(); ++i) {
+      const double* row = solution_.data() + static_cast<std::size_t>(unknown_[i]) * lanes + 4 * f;
+      for (std::size_t k = 0; k < c; ++k) fields[f].fluid[i * c + k] = given[k] + row[k];
+    }
+  }
 }
 
 Result<void> FieldProjection::apply(std::span<const Transfer> fields, int components) {

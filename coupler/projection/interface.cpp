@@ -48,6 +48,11 @@ namespace {
 
 using Weights = std::array<double, fem::max_surface_nodes>;
 
+Weights weights(mesh::ElementKind kind, const std::array<double, 2>& at) {
+  if (kind == mesh::ElementKind::tri3) return {1 - at[0] - at[1], at[0], at[1]};
+  return element_shape(kind, at[0], at[1]).N;
+}
+
 Eigen::Vector3d value(std::span<const std::int32_t> nodes, const Weights& N, std::span<const double> d) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t a = 0; a < nodes.size(); ++a)
@@ -65,9 +70,8 @@ void projection_defects(const Interface& interface, std::span<const ProjectedFie
   const Elements &on_structure = quadrature.structure_elements(), &on_fluid = quadrature.fluid_elements();
   std::array<double, most_fields_at_once> missed{}, whole{};
   for (const InterfaceQuadrature::Sample& s : quadrature.samples()) {
-    const Weights
-        N_s = element_shape(on_structure.kind(s.structure_element), s.on_structure[0], s.on_structure[1]).N,
-        N_f = element_shape(on_fluid.kind(s.fluid_element), s.on_fluid[0], s.on_fluid[1]).N;
+    const Weights N_s = weights(on_structure.kind(s.structure_element), s.on_structure),
+                  N_f = weights(on_fluid.kind(s.fluid_element), s.on_fluid);
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const Eigen::Vector3d d_s = value(on_structure.nodes(s.structure_element), N_s, fields[i].structure),
                             d_f = value(on_fluid.nodes(s.fluid_element), N_f, fields[i].fluid);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "coupler/projection/element_matrix.hpp"
 
@@ -72,18 +73,31 @@ SurfaceIntegrals::SurfaceIntegrals(const Surface& surface)
       if (M_.innerIndexPtr()[k] != i) M_.valuePtr()[k] *= 2;
 }
 
-double SurfaceIntegrals::norm(std::span<const double> v, int components) const noexcept {
+namespace {
+
+/// v^T M v, M as SurfaceIntegrals has it; `components` a number, or a constant of the same value.
+template <class Components>
+double squared(const Eigen::SparseMatrix<double, Eigen::RowMajor, int>& M, std::span<const double> v,
+               Components components) noexcept {
   const auto c = static_cast<std::size_t>(components);
+  const int* first = M.outerIndexPtr();
   double sum = 0;
-  const int* first = M_.outerIndexPtr();
-  for (std::size_t i = 0; i < integral_.size(); ++i) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(M.rows()); ++i) {
     for (int k = first[i]; k < first[i + 1]; ++k) {
-      const double* vj = v.data() + static_cast<std::size_t>(M_.innerIndexPtr()[k]) * c;
+      const double* vj = v.data() + static_cast<std::size_t>(M.innerIndexPtr()[k]) * c;
       double product = 0;
       for (std::size_t j = 0; j < c; ++j) product += v[i * c + j] * vj[j];
-      sum += M_.valuePtr()[k] * product;
+      sum += M.valuePtr()[k] * product;
     }
   }
+  return sum;
+}
+
+} // namespace
+
+double SurfaceIntegrals::norm(std::span<const double> v, int components) const noexcept {
+  const double sum =
+      components == 3 ? squared(M_, v, std::integral_constant<int, 3>()) : squared(M_, v, components);
   return std::sqrt(std::max(sum, 0.0) / area_);
 }
 
@@ -100,6 +114,10 @@ Eigen::Vector3d vector_area(const Surface& surface, std::span<const double> x) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::int32_t e = 0; e < elements.count(); ++e) {
     const NodeMatrix nodes = gather(elements.nodes(e), x);
+    if (is_flat(elements.kind(e))) {
+      sum += flat_mass(elements.kind(e)).sum() * area_vector(element_shape(elements.kind(e), 0, 0), nodes);
+      continue;
+    }
     for (const fem::SurfacePoint& q : element_quadrature(elements.kind(e), degree))
       sum += q.weight * area_vector(element_shape(elements.kind(e), q.xi, q.eta), nodes);
   }
