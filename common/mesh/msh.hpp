@@ -8,10 +8,10 @@
 
 namespace drogue::mesh {
 
-/// Reads a mesh: .msh of the versions 2 to 2.2 and 4.1, text or binary, by ourselves and with every number
-/// checked before it is used; whatever else Gmsh opens, by Gmsh. Every element must belong to a named
-/// physical group of its dimension; nodes keep the order of their tags; NodeData of a .msh become node
-/// fields.
+/// Reads a mesh: .msh of the versions 2 to 2.2 and 4.1 (by name or by content), text or binary, by ourselves
+/// and with every number checked before it is used; whatever else Gmsh opens, by Gmsh, without fields. Every
+/// element must belong to a named physical group of its dimension; nodes keep the order of their tags;
+/// NodeData of a .msh become node fields.
 ///
 /// Errors (ErrorKind::config): the file cannot be opened, is called .msh and is none or a damaged one (with
 /// the line or the byte), holds no elements in named groups, an element kind that Drogue does not know, nodes

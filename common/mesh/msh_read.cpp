@@ -191,9 +191,9 @@ Result<Mesh> read_msh(const std::filesystem::path& file) {
     return config_error("{}: there is no such file", file.string());
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return config_error("{}: the file cannot be read", file.string());
-  auto content = file.extension() == ".msh"
-                     ? parse_msh(file.string(), {std::istreambuf_iterator<char>(stream), {}})
-                     : read_by_gmsh(file.string());
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  const bool is_msh = file.extension() == ".msh" || begins_like_msh(text);
+  auto content = is_msh ? parse_msh(file.string(), std::move(text)) : read_by_gmsh(file.string());
   if (!content) return content.error();
   return Reader(file.string(), std::move(*content)).read();
 }

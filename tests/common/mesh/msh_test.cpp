@@ -75,6 +75,21 @@ TEST(Msh, RoundTripIsExact) {
   }
 }
 
+/// Mesh files that are kept under other names, like the one that is about to be meshed anew, keep their
+/// fields.
+TEST(Msh, IsKnownByItsContentToo) {
+  const Mesh mesh = test::every_kind();
+  ASSERT_FALSE(mesh.node_fields.empty());
+  const auto file = temporary("other_name.msh.before");
+  ASSERT_TRUE(write_msh(file, mesh).ok());
+  const auto read = read_msh(file);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(hash(*read), hash(mesh));
+  ASSERT_EQ(read->node_fields.size(), mesh.node_fields.size());
+  for (const auto& [name, field] : mesh.node_fields)
+    EXPECT_TRUE(same_bits(read->node_fields.at(name).values, field.values)) << name;
+}
+
 TEST(Msh, WritesTheSameBytesAgain) {
   const auto first = temporary("first.msh"), second = temporary("second.msh");
   ASSERT_TRUE(write_msh(first, test::every_kind()).ok());
