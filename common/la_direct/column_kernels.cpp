@@ -5,22 +5,10 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "common/base/vector_rows.hpp"
+
 namespace drogue::la::DROGUE_ISA {
 namespace {
-
-/// Values side by side, readable at any address.
-template <int lanes>
-struct RowOf {
-  using type __attribute__((vector_size(sizeof(double) * lanes), aligned(sizeof(double)), may_alias)) =
-      double;
-};
-template <int lanes>
-using Row = typename RowOf<lanes>::type;
-
-template <int lanes>
-Row<lanes>& row_of(double* y, std::int32_t i) {
-  return *reinterpret_cast<Row<lanes>*>(y + static_cast<std::ptrdiff_t>(i) * lanes);
-}
 
 /// Values of the block on the diagonal of a group.
 constexpr int triangle(int width) {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/la_krylov/aligned_array.hpp"
+#include "common/base/cache_lines.hpp"
 #include "common/la_krylov/node_graph.hpp"
 
 /// One rank's rows of a matrix of dense blocks, in single precision. A Jacobian and its preconditioner need
@@ -36,7 +36,7 @@ class BlockMatrix {
 
  private:
   const LocalPattern* pattern_;
-  AlignedArray<float> values_;
+  CacheLines<float> values_;
 };
 
 /// Scalar rows 3, 7, ... (one of every four) of a block matrix once more, close together: a defect in these
@@ -54,7 +54,7 @@ class FourthRows {
 
  private:
   const LocalPattern* pattern_;
-  AlignedArray<float> values_;
+  CacheLines<float> values_;
 };
 
 /// Incomplete factorisation without fill, by blocks, of the square part of a rank's rows (couplings to ghosts
@@ -74,8 +74,8 @@ class BlockIlu {
 
  private:
   const LocalPattern* pattern_;
-  AlignedArray<float> values_;
-  AlignedArray<float> work_;
+  CacheLines<float> values_;
+  CacheLines<float> work_;
   std::vector<std::int32_t> position_;
 };
 

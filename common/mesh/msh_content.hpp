@@ -49,8 +49,8 @@ inline constexpr const char* known_kinds =
 /// Kind of an element of Gmsh's type; nothing when Drogue does not know it.
 [[nodiscard]] std::optional<ElementKind> kind_of(int gmsh_type);
 
-/// The content of a .msh file, whatever the file is called.
-[[nodiscard]] bool begins_like_msh(std::string_view content);
+/// What every .msh file begins with, whatever it is called.
+inline constexpr std::string_view msh_start = "$MeshFormat";
 
 /// Reads the content of a .msh file: 2 to 2.2 and 4.1, in text or binary form. Sections that are not needed
 /// are left out. Everything is checked before it is used: sizes and counts against what is left of the file,

@@ -312,12 +312,8 @@ std::optional<ElementKind> kind_of(int gmsh_type) {
   }
 }
 
-bool begins_like_msh(std::string_view content) {
-  return content.rfind("$MeshFormat", 0) == 0;
-}
-
 Result<MshContent> parse_msh(const std::string& file, std::string content) {
-  if (!begins_like_msh(content))
+  if (content.rfind(msh_start, 0) != 0)
     return config_error("{}: it does not begin with $MeshFormat: no mesh file", file);
   return Parser(file, std::move(content)).parse();
 }

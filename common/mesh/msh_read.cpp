@@ -184,6 +184,11 @@ class Reader {
   std::map<std::pair<std::string, ElementKind>, std::size_t> raw_of_;
 };
 
+Result<Mesh> mesh_of(const std::filesystem::path& file, Result<MshContent> content) {
+  if (!content) return content.error();
+  return Reader(file.string(), std::move(*content)).read();
+}
+
 } // namespace
 
 Result<Mesh> read_msh(const std::filesystem::path& file) {
@@ -191,11 +196,12 @@ Result<Mesh> read_msh(const std::filesystem::path& file) {
     return config_error("{}: there is no such file", file.string());
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return config_error("{}: the file cannot be read", file.string());
-  std::string text(std::istreambuf_iterator<char>(stream), {});
-  const bool is_msh = file.extension() == ".msh" || begins_like_msh(text);
-  auto content = is_msh ? parse_msh(file.string(), std::move(text)) : read_by_gmsh(file.string());
-  if (!content) return content.error();
-  return Reader(file.string(), std::move(*content)).read();
+  std::string text(msh_start.size(), '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text != msh_start && file.extension() != ".msh") return mesh_of(file, read_by_gmsh(file.string()));
+  text.append(std::istreambuf_iterator<char>(stream.rdbuf()), {});
+  return mesh_of(file, parse_msh(file.string(), std::move(text)));
 }
 
 } // namespace drogue::mesh

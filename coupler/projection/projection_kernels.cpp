@@ -5,28 +5,13 @@
 #include <cmath>
 #include <cstddef>
 
+#include "common/base/vector_rows.hpp"
+
 namespace drogue::projection::DROGUE_ISA {
 namespace {
 
-/// Values side by side, readable at any address.
-template <int lanes>
-struct RowOf {
-  using type __attribute__((vector_size(sizeof(double) * lanes), aligned(sizeof(double)), may_alias)) =
-      double;
-};
-template <int lanes>
-using Row = typename RowOf<lanes>::type;
 /// x, y, z and zero.
 using Vec = Row<4>;
-
-template <int lanes>
-const Row<lanes>& row_of(const double* x, std::int32_t i) {
-  return *reinterpret_cast<const Row<lanes>*>(x + static_cast<std::ptrdiff_t>(i) * lanes);
-}
-template <int lanes>
-Row<lanes>& row_of(double* x, std::int32_t i) {
-  return *reinterpret_cast<Row<lanes>*>(x + static_cast<std::ptrdiff_t>(i) * lanes);
-}
 
 Vec vector_at(const double* x, std::int32_t node) {
   const double* at = x + 3 * static_cast<std::ptrdiff_t>(node);

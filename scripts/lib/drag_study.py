@@ -3,7 +3,6 @@
 import argparse
 import csv
 import dataclasses
-import os
 import pathlib
 import re
 import subprocess
@@ -60,18 +59,18 @@ def config_of(flow: str, variant: Variant, until: float) -> str:
             f'output {{ directory: "{variant.name}" field_interval: {steps} }}\n')
 
 
-def run(folder: pathlib.Path, variant: Variant, until: float, ranks: int) -> None:
+def run(folder: pathlib.Path, variant: Variant, options: argparse.Namespace) -> None:
     """Runs the flow of a variant in the study's folder unless it is there."""
-    text = config_of((folder.parent / "flow.textproto").read_text(), variant, until)
+    text = config_of((folder.parent / "flow.textproto").read_text(), variant, options.until)
     config, done = folder / f"{variant.name}.textproto", folder / variant.name / "done"
     if done.exists() and config.exists() and config.read_text() == text:
         return
     done.unlink(missing_ok=True)
     config.write_text(text)
     print(f"    {folder.parent.name}: step {variant.step:g}, Smagorinsky constant {variant.constant:g}", file=sys.stderr)
-    program = pathlib.Path(os.environ["DROGUE_BIN"]) / "fluid_solver"
+    program = options.bin.resolve() / "fluid_solver"
     with (folder / f"{variant.name}.log").open("w") as log:
-        command = ["mpiexec", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
+        command = ["mpiexec", "--oversubscribe", "-n", str(options.ranks)] if options.ranks > 1 else []
         status = subprocess.run([*command, program, "run", config.name], cwd=folder, stdout=log, stderr=log).returncode
     if status != 0:
         raise SystemExit(f"drag_study: fluid_solver ended with status {status}; see {log.name}")
@@ -114,7 +113,7 @@ def study(folder: pathlib.Path, options: argparse.Namespace) -> None:
     ratio = number(flow, "reference_area") / projected_area(mesh)
     variants = variants_of(options, flow)
     for variant in variants:
-        run(folder, variant, options.until, options.ranks)
+        run(folder, variant, options)
 
     figure, axis = plt.subplots(figsize=(9, 4.2))
     table = []
@@ -122,7 +121,7 @@ def study(folder: pathlib.Path, options: argparse.Namespace) -> None:
         time, cd = history(folder, variant)
         mean = Mean.of(cd[time > options.mean_from])
         table.append((variant, mean))
-        shown = time > 2
+        shown = time > options.until / 30  # without the impulsive start
         axis.plot(time[shown], cd[shown], lw=1.2,
                   label=f"step {variant.step:g}, constant {variant.constant:g}: mean {mean.value:.3f}")
     axis.axvspan(options.mean_from, options.until, color="0.95", zorder=0)
@@ -131,7 +130,7 @@ def study(folder: pathlib.Path, options: argparse.Namespace) -> None:
     axis.legend(frameon=False)
     axis.set_title(f"Fixed canopy, {folder.parent.name}")
     figure.tight_layout()
-    figure.savefig(options.output or folder / "drag_study.png", dpi=110)
+    figure.savefig(folder / "drag_study.png", dpi=110)
     write(folder / "drag_study.csv", table, ratio)
 
 
@@ -161,13 +160,11 @@ def main() -> None:
     parser.add_argument("--steps", type=numbers)
     parser.add_argument("--constants", type=numbers)
     parser.add_argument("--ranks", type=int, default=2)
-    parser.add_argument("--bin", type=pathlib.Path, default=pathlib.Path(os.environ["DROGUE_BIN"]))
-    parser.add_argument("-o", "--output", type=pathlib.Path)
+    parser.add_argument("--bin", type=pathlib.Path, required=True)
     options = parser.parse_args()
     options.mean_from = options.until / 3 if options.mean_from is None else options.mean_from
-    if not 2 <= options.mean_from < options.until:
-        parser.error("--mean-from must lie between 2 and --until")
-    os.environ["DROGUE_BIN"] = str(options.bin.resolve())
+    if not 0 <= options.mean_from < options.until:
+        parser.error("--mean-from must lie between 0 and --until")
     for run_dir in options.runs:
         if not (run_dir / "flow.textproto").exists():
             parser.error(f"{run_dir} has no flow.textproto: scripts/demo CASE --until fluid_mesh makes it")
